@@ -1,0 +1,15 @@
+# gtest binaries, one a folder of test/; ROS tests are in ros_targets.cmake.
+find_package(GTest REQUIRED)
+find_package(Threads REQUIRED)
+enable_testing()
+foreach(group unit verify regression scene)
+  file(GLOB group_sources CONFIGURE_DEPENDS test/${group}/*.cpp)
+  if(group_sources)
+    add_executable(${group}_tests ${group_sources})
+    target_include_directories(${group}_tests PRIVATE test)
+    target_compile_definitions(${group}_tests PRIVATE
+      DEFORMABLE_SIM_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}" SIMULATE_PATH="$<TARGET_FILE:simulate>")
+    target_link_libraries(${group}_tests PRIVATE deformable_sim_scene GTest::gtest GTest::gtest_main Threads::Threads yaml-cpp)
+    add_test(NAME ${group} COMMAND ${group}_tests)
+  endif()
+endforeach()

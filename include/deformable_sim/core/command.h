@@ -1,0 +1,65 @@
+// Everything that may change a running world from outside, applied between steps in arrival order.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "deformable_sim/core/contact/collider.h"
+#include "deformable_sim/core/error.h"
+#include "deformable_sim/core/grasp/grasp.h"
+
+namespace deformable_sim {
+
+namespace command {
+
+struct Grasp {
+  GraspRequest request;
+};
+/// New target of a grasp. The grasp moves there in `duration` s (0 = as fast as max_speed allows), straight and slerped.
+struct MoveGrasp {
+  std::string name;
+  Pose world_from_target = Pose::Identity();
+  double duration = 0.0;
+};
+/// Marks a grasp as waiting for its frame (it holds still) or following again.
+struct SetGraspWaiting {
+  std::string name;
+  bool waiting = false;
+};
+struct Release {
+  std::string name;  // empty = all
+};
+struct AddCollider {
+  Collider collider;
+};
+/// The collider reaches the pose in `duration` s (0 = within the next step).
+struct MoveCollider {
+  std::string name;
+  Pose world_from_collider = Pose::Identity();
+  double duration = 0.0;
+};
+struct RemoveCollider {
+  std::string name;
+};
+/// Positions and velocities of one body, exact.
+struct SetBodyState {
+  std::string body;
+  Nodes x, v;
+};
+/// Back to the initial state, grasps and colliders of the scene.
+struct Reset {};
+
+}  // namespace command
+
+using Command = std::variant<command::Grasp, command::MoveGrasp, command::SetGraspWaiting, command::Release,
+                             command::AddCollider, command::MoveCollider, command::RemoveCollider,
+                             command::SetBodyState, command::Reset>;
+
+struct Reply {
+  Status status;
+  std::vector<int> nodes;  // of a grasp, body-local
+  std::string note;        // accepted, but the caller should know (for example: the jump is limited to max_speed)
+};
+
+}  // namespace deformable_sim

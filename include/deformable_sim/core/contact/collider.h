@@ -1,0 +1,28 @@
+// A rigid obstacle as the user gives it: primitives, a pose, friction. No FCL here.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/types.h"
+
+namespace deformable_sim {
+
+/// One primitive in its own frame: box centred, cylinder and capsule along z and centred, plane = half-space z <= 0.
+struct Shape {
+  enum class Type { kBox, kSphere, kCylinder, kCapsule, kPlane };
+  Type type = Type::kBox;
+  Vec3 size = Vec3::Zero();  // box: full edge lengths; sphere: [radius]; cylinder, capsule: [radius, length of the straight part]
+  Pose collider_from_shape = Pose::Identity();
+};
+
+/// A rigid body that deformables may not enter. Several primitives move as one.
+struct Collider {
+  std::string name;
+  std::vector<Shape> shapes;
+  Pose world_from_collider = Pose::Identity();
+  double friction = 0.5;
+  std::string frame;  // tf frame it is attached to; empty = fixed in the world. Read by the ROS layer only.
+};
+
+}  // namespace deformable_sim

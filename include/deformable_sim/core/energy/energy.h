@@ -1,0 +1,44 @@
+// One physical term of the equations of motion, over all the elements it applies to.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/linear/block_matrix.h"
+#include "deformable_sim/core/state.h"
+
+namespace deformable_sim {
+
+/// Which Jacobian a term delivers.
+enum class Jacobian {
+  kExact,      // df/dx and df/dv as derived; may be indefinite and, for velocity terms, unsymmetric
+  kProjected,  // symmetric; -df/dx and -df/dv positive semi-definite: what an implicit step solves with
+};
+
+/// A term of the equations of motion M dv/dt = sum of forces.
+///
+/// Conservative terms have an energy E(x) and the force -dE/dx; dissipative and driving terms (viscous, drag, wind)
+/// have value() == 0 and only a force f(x, v).
+class Energy {
+ public:
+  virtual ~Energy() = default;
+
+  /// Short stable name for the bill, for example "stretch springs".
+  virtual std::string name() const = 0;
+  /// Number of elements, for the bill.
+  virtual int element_count() const = 0;
+  /// Stored energy (J); 0 for a dissipative term.
+  virtual double value(const State& s) const = 0;
+  /// f += force (N) at (x, v, time).
+  virtual void add_force(const State& s, Nodes* f) const = 0;
+
+  /// Node pairs that the Jacobian couples; the diagonal is always there.
+  virtual void add_pattern(std::vector<std::array<int, 2>>* pairs) const = 0;
+  /// Looks up, once, where this term's blocks lie. Called before the first add_jacobian; never by explicit schemes.
+  virtual void bind(const BlockMatrix& matrix) = 0;
+  /// A -= dx * df/dx + dv * df/dv.
+  virtual void add_jacobian(const State& s, double dx, double dv, Jacobian kind, BlockMatrix* a) const = 0;
+};
+
+}  // namespace deformable_sim

@@ -1,0 +1,78 @@
+// The interface of all time schemes, and what they are given.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/contact/constraint.h"
+#include "deformable_sim/core/energy/energy.h"
+#include "deformable_sim/core/state.h"
+
+namespace deformable_sim {
+
+/// Nodes whose motion is prescribed during a step (rigid grasps, pins).
+struct Kinematics {
+  std::vector<int> node;      // world node indices, ascending, each once
+  Nodes target;               // 3 x node.size(): position at the end of the step, m
+  Nodes reaction;             // 3 x node.size(), N the holder exerts on the node: m a - f; written by the integrator
+};
+
+/// The equations of motion of one step: M dv/dt = sum of energies' forces, subject to kinematics and contacts.
+struct Dynamics {
+  const Eigen::VectorXd* mass = nullptr;   // n, kg, all > 0
+  std::vector<const Energy*> energies;     // includes gravity and soft grasps
+  Kinematics kinematics;
+  ContactConstraints contacts;
+  const BlockMatrix* pattern = nullptr;    // null for schemes that need no Jacobian
+};
+
+/// What a scheme asks to exist.
+struct Needs {
+  bool jacobian = false;
+};
+
+struct StepReport {
+  bool converged = true;          // explicit schemes: state stayed finite
+  int newton_iterations = 0;
+  int linear_iterations = 0;
+  double residual = 0.0;          // RMS unbalanced acceleration at the end of the step, m/s^2
+  double seconds_assembly = 0.0;  // thread CPU time, s
+  double seconds_solve = 0.0;
+};
+
+/// A time scheme. Holds only its settings and reusable work space; the state is the caller's.
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+  virtual std::string name() const = 0;
+  virtual Needs needs() const = 0;
+  /// Observed order of accuracy on a smooth problem.
+  virtual int order() const = 0;
+  /// Largest stable omega_max * dt of an undamped oscillator; 0 = unstable at any step, infinity = no limit.
+  virtual double stability_limit() const = 0;
+  /// Advances `s` by dt (s, > 0). Writes reactions and contact forces into `d`.
+  virtual StepReport advance(double dt, Dynamics* d, State* s) = 0;
+  /// Forgets anything cached about matrices (kinematic set or pattern changed by the caller in another world).
+  virtual void reset() {}
+};
+
+/// Settings of implicit schemes; explicit ones ignore them.
+struct SolverSettings {
+  enum class Linear { kDirect, kConjugateGradient };
+  Linear linear = Linear::kConjugateGradient;
+  int newton_iterations = 8;        // at most, per step
+  double tolerance = 0.02;          // RMS unbalanced acceleration at which Newton stops, m/s^2
+  double linear_tolerance = 1e-2;   // relative residual of one linear solve
+  int linear_iterations = 200;      // at most, per linear solve
+};
+
+/// By name: explicit_euler, symplectic_euler, rk4, implicit_euler. Throws InputError listing the names.
+std::unique_ptr<Integrator> make_integrator(const std::string& name, const SolverSettings& settings);
+std::vector<std::string> integrator_names();
+
+/// Highest natural frequency (rad/s) of M^-1 K at state `s`, K = -df/dx projected, by power iteration.
+/// Kinematic nodes are held. Relative accuracy 1 % or better.
+double highest_frequency(const Dynamics& d, const State& s);
+
+}  // namespace deformable_sim

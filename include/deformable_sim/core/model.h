@@ -1,0 +1,54 @@
+// What does not change while the simulation runs: bodies, masses, forces. Const after build.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/energy/energy.h"
+#include "deformable_sim/core/state.h"
+#include "deformable_sim/core/topology/polyline.h"
+#include "deformable_sim/core/topology/triangle_mesh.h"
+
+namespace deformable_sim {
+
+/// Values equal BodyState.kind.
+enum class BodyKind { kCloth = 0, kRope = 1 };
+
+/// An edge whose relative elongation is reported as strain.
+struct StrainEdge {
+  std::array<int, 2> node;  // world node indices
+  double rest_length;       // m
+};
+
+struct Body {
+  std::string name;
+  BodyKind kind = BodyKind::kCloth;
+  int first_node = 0;
+  int node_count = 0;
+  std::shared_ptr<const TriangleMesh> surface;  // cloth; body-local indices
+  std::shared_ptr<const Polyline> line;         // rope; body-local indices
+  double contact_radius = 0.0;                  // m: distance kept between nodes and collider surfaces
+  bool contact_at_faces = false;                // also hold face centroids / segment midpoints off colliders
+  double friction = 0.5;
+  double draw_radius = 0.0;                     // m, rope tube
+  std::array<double, 4> color{{0.8, 0.8, 0.8, 1.0}};
+  std::vector<StrainEdge> strain_edges;         // structural edges
+  std::map<std::string, std::vector<int>> features;  // corner_0..3, edge_0..3, end_0, end_1, center -> body-local nodes
+};
+
+struct Model {
+  std::vector<Body> bodies;
+  Eigen::VectorXd mass;                          // kg per node
+  Vec3 gravity{0, 0, -9.81};                     // m/s^2; also present as an Energy when not zero
+  std::vector<std::unique_ptr<Energy>> energies;
+  State initial;
+
+  int node_count() const { return static_cast<int>(mass.size()); }
+  /// Index of a body by name, or -1.
+  int find_body(const std::string& name) const;
+};
+
+}  // namespace deformable_sim

@@ -1,0 +1,52 @@
+// An immutable copy of what publishers and reports show: one instant of the world.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/contact/collider.h"
+#include "deformable_sim/core/grasp/grasp.h"
+#include "deformable_sim/core/integrator/integrator.h"
+#include "deformable_sim/core/model.h"
+
+namespace deformable_sim {
+
+struct BodyReport {
+  double kinetic_energy = 0.0;    // J
+  double elastic_energy = 0.0;    // J
+  double potential_energy = 0.0;  // J, gravity, zero at z = 0
+  double max_strain = 0.0;        // largest relative elongation of a structural edge
+  double min_strain = 0.0;        // most negative one
+  int contacts = 0;               // contact points with a force
+};
+
+struct PartCost {
+  std::string part;
+  double seconds_per_second = 0.0;  // thread CPU s per simulated s, over the last 50 steps or so
+};
+
+struct Snapshot {
+  double time = 0.0;  // s
+  std::uint64_t step = 0;
+  std::shared_ptr<const Model> model;
+  Nodes x, v;
+  std::vector<BodyReport> bodies;  // parallel to model->bodies
+  std::vector<GraspReport> grasps;
+  std::vector<Collider> colliders;
+  StepReport report;
+  std::string integrator;
+  double dt = 0.0;               // s
+  int substeps = 1;              // of the last step
+  double max_penetration = 0.0;  // m, deepest contact point now inside a collider's surface (contact radius not counted)
+  std::vector<PartCost> cost;
+  std::vector<std::string> warnings;
+};
+
+/// Largest |relative elongation| with its sign over the structural edges at each node of a body (size node_count).
+Eigen::VectorXf node_strain(const Body& body, const Nodes& x);
+/// Unit outward normal per node of a cloth (area weighted), 3 x node_count.
+Eigen::Matrix3Xf node_normals(const Body& body, const Nodes& x);
+
+}  // namespace deformable_sim

@@ -1,0 +1,65 @@
+// The simulation: a model, a state, grasps and colliders, advanced step by step.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/command.h"
+#include "deformable_sim/core/integrator/integrator.h"
+#include "deformable_sim/core/model.h"
+#include "deformable_sim/core/snapshot.h"
+
+namespace deformable_sim {
+
+struct WorldSettings {
+  double dt = 0.01;                              // s, one step
+  std::string integrator = "implicit_euler";
+  SolverSettings solver;
+  double grasp_max_speed = 1.0;                  // m/s, for grasps that name none
+  double collider_max_speed = 5.0;               // m/s, faster moves are spread over steps
+};
+
+/// One line of the bill: a part the scene pays for.
+struct BillItem {
+  std::string part;
+  std::string detail;       // for example "7062 springs"
+  double share = 0.0;       // of the step time so far, 0..1
+};
+
+struct StepOutcome {
+  bool ok = true;           // false: no finite state even with smaller steps; the world stays at its last good state
+  std::string message;      // why not
+  StepReport report;
+};
+
+/// Owns everything that changes. One thread at a time. The same model, commands and step count give the same bits.
+class World {
+ public:
+  World(std::shared_ptr<const Model> model, WorldSettings settings, std::vector<Collider> colliders,
+        std::vector<GraspRequest> grasps);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Advances by settings().dt: prescribe grasps and colliders, find contacts, integrate, measure wrenches.
+  StepOutcome step();
+  /// Applies one command between steps. A refusal changes nothing.
+  Reply apply(const Command& command);
+
+  double time() const;
+  std::uint64_t step_count() const;
+  const State& state() const;
+  const Model& model() const;
+  std::shared_ptr<const Model> shared_model() const;
+  const WorldSettings& settings() const;
+  Snapshot snapshot() const;
+  std::vector<BillItem> bill() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace deformable_sim

@@ -1,0 +1,29 @@
+// Scene text to a validated SceneSpec.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "deformable_sim/scene/spec.h"
+
+namespace deformable_sim {
+
+/// A `KEY=VALUE` override: path such as bodies[0].cloth.cells, value as YAML text.
+using Override = std::pair<std::string, std::string>;
+
+/// Reads and validates a file. Throws InputError: "file:line: key: what, and what is allowed".
+SceneSpec load_scene_file(const std::string& path, const std::vector<Override>& overrides = {});
+
+/// The same for text; `origin` stands for the file name in messages and as base for relative mesh paths.
+SceneSpec load_scene_text(const std::string& yaml, const std::string& origin,
+                          const std::vector<Override>& overrides = {});
+
+/// A bare NAME is SCENE_DIR/NAME.yaml; anything with a slash or an extension is a path. Throws InputError (kNotFound)
+/// listing the scenes that exist.
+std::string find_scene(const std::string& name_or_file, const std::string& scene_dir);
+
+/// The reference page of all keys (Markdown), generated from the same table that the loader reads with.
+std::string scene_reference();
+
+}  // namespace deformable_sim
