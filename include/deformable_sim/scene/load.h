@@ -23,6 +23,16 @@ SceneSpec load_scene_text(const std::string& yaml, const std::string& origin,
 /// listing the scenes that exist.
 std::string find_scene(const std::string& name_or_file, const std::string& scene_dir);
 
+/// Names of the scenes in a folder, sorted.
+std::vector<std::string> scene_names(const std::string& scene_dir);
+
+/// Where this package's config/, meshes/ ... lie: the share directory this executable was installed beside, else the source
+/// tree it was built from. Also what package://deformable_sim/ stands for in a scene.
+std::string package_dir();
+
+/// DEFORMABLE_SIM_SCENES from the environment, else package_dir()/config/scenes.
+std::string default_scene_dir();
+
 /// The reference page of all keys (Markdown), generated from the same table that the loader reads with.
 std::string scene_reference();
 

@@ -12,11 +12,18 @@
 
 namespace deformable_sim {
 
-/// Where a value stands, for messages: file:line.
+/// Where a value stands, for messages: file:line; line 0 = not in a file (an override), `file` says it all.
 struct Location {
   std::string file;
   int line = 0;
 };
+
+/// Nodes keep at least this distance (m) from collider surfaces. Real cloth is thinner (half of 0.3 mm); 1 mm hides the
+/// sagitta of a 20 mm edge on a 5 cm radius, and is too small to see.
+constexpr double kMinContactRadius = 0.001;
+
+/// Nodes of all bodies of one scene, at most.
+constexpr int kMaxNodes = 200000;
 
 /// Rigid placement: position (m) and either rpy (rad, fixed axes x y z) or a quaternion orientation [x, y, z, w].
 struct PoseSpec {
@@ -54,13 +61,19 @@ struct BodySpec {
   PoseSpec pose;                              // world from body
   std::optional<std::array<double, 3>> color; // rgb 0..1
   double friction = 0.5;
-  std::vector<std::string> pins;              // features held where they start: corner_0, edge_2, end_1 ... (kept as a grasp named pin_<feature>)
+  std::vector<std::string> pins;              // features held where they start: corner_0, edge_2, end_1 ...; each
+                                              // becomes a rigid grasp named pin_<body>_<feature>
+  Location pins_where;
+  std::optional<double> contact_radius;       // m, > 0: gap kept to colliders; default half the thickness or diameter,
+                                              // at least kMinContactRadius
 
   // cloth
   std::array<double, 2> size{{0.5, 0.5}};     // m, x and y
   std::array<int, 2> cells{{20, 20}};         // along x and y: (cells + 1) nodes each
-  std::string mesh;                           // OBJ, STL, PLY or DAE file instead of a grid; relative to the scene file
-  double mesh_scale = 1.0;
+  std::string mesh;                           // OBJ, STL, PLY or DAE file instead of a grid; resolved path
+  Location mesh_where;
+  double mesh_scale = 1.0;                    // file units to m
+  bool contact_at_faces = false;              // also hold face centroids off colliders, not only nodes
   ClothMaterialSpec cloth_material;
 
   // rope

@@ -25,4 +25,8 @@ struct Collider {
   std::string frame;  // tf frame it is attached to; empty = fixed in the world. Read by the ROS layer only.
 };
 
+/// Throws InputError naming the collider: no name, no shape, a size <= 0 (a capsule's straight part may be 0), a pose that
+/// is not finite or not rigid, friction negative or not finite.
+void check_collider(const Collider& collider);
+
 }  // namespace deformable_sim

@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "deformable_sim/core/element/jacobian.h"
 #include "deformable_sim/core/linear/block_matrix.h"
 #include "deformable_sim/core/state.h"
 
 namespace deformable_sim {
-
-/// Which Jacobian a term delivers.
-enum class Jacobian {
-  kExact,      // df/dx and df/dv as derived; may be indefinite and, for velocity terms, unsymmetric
-  kProjected,  // symmetric; -df/dx and -df/dv positive semi-definite: what an implicit step solves with
-};
 
 /// A term of the equations of motion M dv/dt = sum of forces.
 ///

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deformable_sim/core/energy/energy.h"
+#include "deformable_sim/core/material/air.h"
 #include "deformable_sim/core/material/spring_network.h"
 
 namespace deformable_sim {
@@ -19,15 +20,6 @@ std::unique_ptr<Energy> make_gravity(const Eigen::VectorXd& mass, const Vec3& gr
 
 /// Linear drag -rate m v (rate in 1/s).
 std::unique_ptr<Energy> make_mass_damping(const Eigen::VectorXd& mass, double rate);
-
-struct Air {
-  double density = 1.2;           // kg/m^3
-  double drag_coefficient = 1.0;  // of a flat plate, normal flow
-  Vec3 wind = Vec3::Zero();       // m/s
-  double gust_amplitude = 0.0;    // fraction of the wind speed
-  double gust_frequency = 0.5;    // Hz
-  Vec3 wind_at(double time) const;  // wind (1 + amplitude sin(2 pi f t))
-};
 
 /// Pressure drag on triangles: 1/2 rho C_d A |u.n| (u.n) n, u the air's velocity relative to the face, a third to each node.
 std::unique_ptr<Energy> make_sheet_drag(const std::vector<std::array<int, 3>>& triangles, const Air& air);

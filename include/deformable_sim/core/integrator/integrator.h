@@ -7,16 +7,10 @@
 
 #include "deformable_sim/core/contact/constraint.h"
 #include "deformable_sim/core/energy/energy.h"
+#include "deformable_sim/core/grasp/kinematics.h"
 #include "deformable_sim/core/state.h"
 
 namespace deformable_sim {
-
-/// Nodes whose motion is prescribed during a step (rigid grasps, pins).
-struct Kinematics {
-  std::vector<int> node;      // world node indices, ascending, each once
-  Nodes target;               // 3 x node.size(): position at the end of the step, m
-  Nodes reaction;             // 3 x node.size(), N the holder exerts on the node: m a - f; written by the integrator
-};
 
 /// The equations of motion of one step: M dv/dt = sum of energies' forces, subject to kinematics and contacts.
 struct Dynamics {

@@ -1,0 +1,13 @@
+# Google Benchmark programs, run by ./run bench; built by the target bench_programs only.
+find_package(benchmark REQUIRED)
+set(BENCH_PROGRAMS step_bench strain_bench)
+foreach(program ${BENCH_PROGRAMS})
+  add_executable(${program} EXCLUDE_FROM_ALL bench/${program}.cpp bench/scenes.cpp)
+  target_link_libraries(${program} PRIVATE deformable_sim_scene benchmark::benchmark)
+endforeach()
+if(DEFORMABLE_SIM_ROS)
+  add_executable(message_bench EXCLUDE_FROM_ALL bench/message_bench.cpp bench/scenes.cpp)
+  target_link_libraries(message_bench PRIVATE deformable_sim_ros benchmark::benchmark)
+  list(APPEND BENCH_PROGRAMS message_bench)
+endif()
+add_custom_target(bench_programs DEPENDS ${BENCH_PROGRAMS})

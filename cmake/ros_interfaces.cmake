@@ -1,0 +1,54 @@
+# Messages and services, and everything of ROS that the node and the demo are built with.
+find_package(catkin REQUIRED COMPONENTS
+  diagnostic_msgs
+  diagnostic_updater
+  geometry_msgs
+  interactive_markers
+  kdl_parser
+  message_generation
+  rosgraph_msgs
+  roscpp
+  sensor_msgs
+  shape_msgs
+  std_msgs
+  std_srvs
+  tf2_eigen
+  tf2_msgs
+  tf2_ros
+  urdf
+  visualization_msgs
+)
+find_package(orocos_kdl REQUIRED)
+
+add_message_files(DIRECTORY msg FILES
+  BodyMesh.msg
+  BodyState.msg
+  GraspCommand.msg
+  GraspSelection.msg
+  GraspState.msg
+  GraspStateArray.msg
+  Obstacle.msg
+  SimStatus.msg
+  Status.msg
+)
+add_service_files(DIRECTORY srv FILES
+  AddObstacle.srv
+  GetState.srv
+  Grasp.srv
+  LoadScene.srv
+  MoveGrasp.srv
+  Release.srv
+  RemoveObstacle.srv
+  SetState.srv
+  Step.srv
+)
+generate_messages(DEPENDENCIES geometry_msgs shape_msgs std_msgs)
+
+catkin_package(
+  INCLUDE_DIRS include
+  LIBRARIES ${PROJECT_NAME}_core ${PROJECT_NAME}_scene ${PROJECT_NAME}_ros
+  CATKIN_DEPENDS
+    diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers message_runtime rosgraph_msgs roscpp sensor_msgs
+    shape_msgs std_msgs std_srvs tf2_eigen tf2_msgs tf2_ros urdf visualization_msgs
+  DEPENDS EIGEN3
+)

@@ -1,0 +1,102 @@
+// Finds the contacts of one step: which material points may meet which collider surfaces, as planes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "deformable_sim/core/contact/collider_set.h"
+#include "deformable_sim/core/contact/constraint.h"
+#include "deformable_sim/core/contact/contact_points.h"
+#include "deformable_sim/core/contact/surface_query.h"
+#include "deformable_sim/core/model.h"
+
+namespace deformable_sim {
+
+/// Speculative contact planes (doc/theory/contact.md).
+///
+/// Every point whose surface distance is within its reach, contact radius + relative motion expected in the step, gets
+/// the tangent plane at its nearest surface point, carried along with the collider to the end of the step. All shapes are
+/// convex, so a point on the outer side of that plane is outside the shape, however thin it is and however fast it moves.
+/// A point that moves further than expected is told by missed_motion(): the step is repeated with a wider reach.
+///
+/// Not good at: surfaces poking between the points of a coarse mesh; contact of a body with itself.
+class ContactFinder {
+ public:
+  explicit ContactFinder(const Model* model);
+
+  /// Takes over shapes and friction; forgets on which side of a shape points were.
+  void set_colliders(const std::vector<Collider>& colliders);
+  /// Points were put elsewhere from outside.
+  void forget_sides() { planes_.clear(); }
+
+  /// Planes for the step from `s` to s.time + dt. `held` marks nodes whose motion is prescribed: they get no contact.
+  /// `extra_reach` (m) widens the search. Order: by shape, then by point; the same state gives the same list.
+  void find(const State& s, double dt, const std::vector<PoseStep>& poses, const std::vector<char>& held,
+            double extra_reach, ContactConstraints* contacts);
+
+  /// extra_reach with which the step has to be repeated because a node moved further than its reach allowed and came
+  /// near a collider (m); 0 when every contact was seen.
+  double missed_motion(const Nodes& before, const Nodes& after);
+
+  /// Deepest contact point inside a surface at the end of the step, m; contact radius not counted.
+  double penetration(const Nodes& x, const std::vector<PoseStep>& poses, const ContactConstraints& contacts);
+
+  int shape_count() const { return static_cast<int>(shapes_.size()); }
+  int point_count() const { return static_cast<int>(points_.size() + between_.size()); }
+
+ private:
+  struct PlacedShape {
+    PlacedShape(const Shape& shape, int collider_index, double friction_coefficient)
+        : query(shape),
+          collider_from_shape(shape.collider_from_shape),
+          collider(collider_index),
+          friction(friction_coefficient) {}
+
+    SurfaceQuery query;
+    Pose collider_from_shape;
+    int collider;
+    double friction;
+    Pose end_from_begin = Pose::Identity();  // the collider's motion in this step, in world axes
+    bool moves = false;
+    double travel = 0.0;                     // m, upper bound for its surface
+    Eigen::AlignedBox3d swept;               // contains it during the whole step; means nothing for a plane
+  };
+  /// A plane of this or the last step in collider coordinates, to keep points on their side of thin plates.
+  struct Plane {
+    std::int64_t key;  // shape and point, ascending
+    int shape;
+    Vec3 normal, point;   // collider frame
+    double end_offset;    // normal . p of the surface at the end of the step, world frame
+  };
+  struct Point {
+    Vec3 p;
+    double reach;  // m, of expected motion, without the contact radius
+    bool active;
+  };
+
+  void place_shape(PlacedShape* shape, const PoseStep& pose) const;
+  void place_points(const std::vector<ContactPoint>& points, const State& s, const std::vector<char>& held,
+                    std::vector<Point>* placed) const;
+  void find_on_shape(int shape, const std::vector<ContactPoint>& points, const std::vector<PointBlock>& blocks,
+                     const std::vector<Point>& placed, std::int64_t first_key, const PoseStep& pose, double dt,
+                     ContactConstraints* contacts);
+  void add_plane(int shape, const ContactPoint& point, const Vec3& p, SurfacePoint surface, std::int64_t key,
+                 const PoseStep& pose, double dt, ContactConstraints* contacts);
+  void keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface) const;
+  bool implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const;
+
+  const Model* model_;
+  std::vector<ContactPoint> points_, between_;  // nodes; edge middles and face centroids
+  std::vector<PointBlock> blocks_, between_blocks_;
+  std::vector<PlacedShape> shapes_;
+  std::vector<Point> placed_, placed_between_;
+  std::vector<double> node_reach_;
+  std::vector<int> contact_of_node_;  // index of the node's plane on the shape at hand, or -1
+  std::vector<Plane> planes_, last_planes_;
+};
+
+/// Deepest node, edge middle or face centroid of any body inside a collider, m; 0 when none is inside. For tests and
+/// summaries: it looks at every point, not only where contact is enforced.
+double measure_penetration(const Model& model, const std::vector<Collider>& colliders, const Nodes& x);
+
+}  // namespace deformable_sim

@@ -1,0 +1,45 @@
+// The wall around FCL: signed distance and outward normal from a point to one primitive. No FCL type in this header.
+#pragma once
+
+#include <memory>
+
+#include "deformable_sim/core/contact/collider.h"
+
+namespace deformable_sim {
+
+struct SurfacePoint {
+  double distance = 0.0;         // m, negative inside
+  Vec3 normal = Vec3::UnitZ();   // unit, out of the shape; nearest surface point = p - distance * normal
+};
+
+/// One placed primitive. The distance comes from FCL's closed-form sphere kernels: a sphere of radius `reach` around
+/// the point overlaps the shape by `depth`, so distance = reach - depth, exact inside and out.
+/// Not for concurrent use: it reuses its work space.
+class SurfaceQuery {
+ public:
+  explicit SurfaceQuery(const Shape& shape);
+  ~SurfaceQuery();
+  SurfaceQuery(SurfaceQuery&&) noexcept;
+  SurfaceQuery& operator=(SurfaceQuery&&) noexcept;
+
+  void place(const Pose& world_from_shape);
+  /// False when the surface is further than `reach` (m, >= 0) outside. At the centre of a sphere and on the axis of a
+  /// capsule, where no direction is nearest, the normal is the shape's +x.
+  bool find(const Vec3& p, double reach, SurfacePoint* found);
+
+  /// False for a plane, which is not in any box.
+  bool bounded() const;
+  /// Tight box around the placed shape (FCL's own is the cube around the bounding sphere once a shape is turned).
+  const Eigen::AlignedBox3d& box() const;
+  /// Radius around the shape's origin that contains it, m; 0 for a plane.
+  double bounding_radius() const;
+
+ private:
+  struct Kernel;
+  std::unique_ptr<Kernel> kernel_;
+};
+
+/// Radius around the shape's origin that contains it, m; 0 for a plane.
+double bounding_radius(const Shape& shape);
+
+}  // namespace deformable_sim

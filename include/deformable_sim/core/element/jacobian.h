@@ -1,0 +1,12 @@
+// Which derivative is asked for: the exact one, or the one an implicit step can solve with.
+#pragma once
+
+namespace deformable_sim {
+
+/// Which Jacobian a term delivers.
+enum class Jacobian {
+  kExact,      // df/dx and df/dv as derived; may be indefinite and, for velocity terms, unsymmetric
+  kProjected,  // symmetric; -df/dx and -df/dv positive semi-definite: what an implicit step solves with
+};
+
+}  // namespace deformable_sim

@@ -1,0 +1,119 @@
+// The loop over elements, gathering, scattering and matrix slots, written once for every element type.
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "deformable_sim/core/energy/energy.h"
+
+namespace deformable_sim {
+
+/// One element type E over many sets of nodes.
+///
+/// E is a pure function of a few points and provides
+///   kPoints                       how many points
+///   Rest, Parameters, Context     values per element, per term, and per evaluation: context(parameters, time)
+/// and, when kPairwise (two points, dependence on differences d = x_b - x_a, w = v_b - v_a only, opposite forces),
+///   energy(d, rest), force(d, w, rest) on point a, stiffness(d, w, rest, dx, dv, kind) = dx dF/dd + dv dF/dw;
+/// otherwise
+///   energy(x, rest), force(x, v, rest, context), jacobian(x, v, rest, context, dx, dv, kind) = dx df/dx + dv df/dv.
+template <class E>
+class ElementEnergy : public Energy {
+ public:
+  static constexpr size_t kPoints = static_cast<size_t>(E::kPoints);
+  struct Element {
+    std::array<int, kPoints> node;
+    typename E::Rest rest;
+  };
+
+  ElementEnergy(std::string name, std::vector<Element> elements, typename E::Parameters parameters)
+      : name_(std::move(name)), elements_(std::move(elements)), parameters_(std::move(parameters)) {}
+
+  std::string name() const override { return name_; }
+  int element_count() const override { return static_cast<int>(elements_.size()); }
+
+  double value(const State& s) const override {
+    double sum = 0.0;
+    for (const Element& e : elements_) {
+      if constexpr (E::kPairwise) {
+        sum += E::energy(s.x.col(e.node[1]) - s.x.col(e.node[0]), e.rest);
+      } else {
+        sum += E::energy(gather(s.x, e), e.rest);
+      }
+    }
+    return sum;
+  }
+
+  void add_force(const State& s, Nodes* f) const override {
+    [[maybe_unused]] const typename E::Context context = E::context(parameters_, s.time);
+    for (const Element& e : elements_) {
+      if constexpr (E::kPairwise) {
+        const int a = e.node[0], b = e.node[1];
+        const Vec3 force = E::force(s.x.col(b) - s.x.col(a), s.v.col(b) - s.v.col(a), e.rest);
+        f->col(a) += force;
+        f->col(b) -= force;
+      } else {
+        const auto force = E::force(gather(s.x, e), gather(s.v, e), e.rest, context);
+        for (size_t k = 0; k < kPoints; ++k) f->col(e.node[k]) += force.col(static_cast<Eigen::Index>(k));
+      }
+    }
+  }
+
+  void add_pattern(std::vector<std::array<int, 2>>* pairs) const override {
+    for (const Element& e : elements_) {
+      for (size_t i = 0; i < kPoints; ++i) {
+        for (size_t j = 0; j < i; ++j) pairs->push_back({e.node[i], e.node[j]});
+      }
+    }
+  }
+
+  void bind(const BlockMatrix& matrix) override {
+    slots_.resize(elements_.size());
+    for (size_t k = 0; k < elements_.size(); ++k) {
+      const auto& node = elements_[k].node;
+      for (size_t i = 0; i < kPoints; ++i) {
+        for (size_t j = 0; j < kPoints; ++j) slots_[k][kPoints * i + j] = matrix.slot(node[i], node[j]);
+      }
+    }
+  }
+
+  void add_jacobian(const State& s, double dx, double dv, Jacobian kind, BlockMatrix* a) const override {
+    [[maybe_unused]] const typename E::Context context = E::context(parameters_, s.time);
+    for (size_t k = 0; k < elements_.size(); ++k) {
+      const Element& e = elements_[k];
+      const auto& slot = slots_[k];
+      if constexpr (E::kPairwise) {
+        const Vec3 d = s.x.col(e.node[1]) - s.x.col(e.node[0]), w = s.v.col(e.node[1]) - s.v.col(e.node[0]);
+        const Mat3 h = E::stiffness(d, w, e.rest, dx, dv, kind);
+        a->block(slot[0]) += h;
+        a->block(slot[1]) -= h;
+        a->block(slot[2]) -= h;
+        a->block(slot[3]) += h;
+      } else {
+        const auto blocks = E::jacobian(gather(s.x, e), gather(s.v, e), e.rest, context, dx, dv, kind);
+        for (size_t i = 0; i < kPoints; ++i) {
+          for (size_t j = 0; j < kPoints; ++j) {
+            a->block(slot[kPoints * i + j]) -= blocks.template block<3, 3>(3 * static_cast<Eigen::Index>(i),
+                                                                           3 * static_cast<Eigen::Index>(j));
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  static Eigen::Matrix<double, 3, E::kPoints> gather(const Nodes& nodes, const Element& e) {
+    Eigen::Matrix<double, 3, E::kPoints> points;
+    for (size_t k = 0; k < kPoints; ++k) points.col(static_cast<Eigen::Index>(k)) = nodes.col(e.node[k]);
+    return points;
+  }
+
+  std::string name_;
+  std::vector<Element> elements_;
+  typename E::Parameters parameters_;
+  std::vector<std::array<int, kPoints * kPoints>> slots_;  // parallel to elements_, once bound
+};
+
+}  // namespace deformable_sim

@@ -1,0 +1,43 @@
+// Solvers of A x = b for the matrices of implicit steps.
+#pragma once
+
+#include <memory>
+
+#include "deformable_sim/core/linear/block_matrix.h"
+
+namespace deformable_sim {
+
+struct LinearReport {
+  int iterations = 0;  // 0 for a direct solver
+  bool solved = true;  // tolerance reached; direct: the factorisation exists
+};
+
+/// When an iterative solver may stop: RMS over nodes of |r_i| * weight_i at or below max(absolute, relative * initial).
+struct LinearTolerance {
+  double relative = 1e-2;
+  double absolute = 0.0;
+  int iterations = 200;
+};
+
+/// A is symmetric positive definite; rows of held nodes are identity.
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+  /// Called when the pattern, the time step or the set of held nodes has changed, with the matrix before contacts: what
+  /// is worth keeping over many steps is made here (symbolic analysis, preconditioner).
+  virtual void prepare(const BlockMatrix& a) = 0;
+  /// Solves A x = b. x holds the initial guess of iterative solvers. `weight` has one entry a node, see LinearTolerance.
+  virtual LinearReport solve(const BlockMatrix& a, const Nodes& b, const Eigen::VectorXd& weight,
+                             const LinearTolerance& tolerance, Nodes* x) = 0;
+};
+
+/// Sparse Cholesky factorisation (LDL^T, minimum degree order) of the 3n x 3n matrix. Exact and slow: the oracle for
+/// tests and statics. Eigen's factorisation allocates.
+std::unique_ptr<LinearSolver> make_direct_solver();
+
+/// Conjugate gradients in single precision inside a double precision refinement, preconditioned by a block-Jacobi
+/// sweep, one exact solve of a scalar n x n operator (mass + graph Laplacian, factorised in prepare()) and a second
+/// sweep; see doc/theory/integrators.md.
+std::unique_ptr<LinearSolver> make_conjugate_gradient_solver();
+
+}  // namespace deformable_sim

@@ -1,0 +1,25 @@
+// The messages and services of this package, in namespace msg.
+//
+// gencpp puts them into a namespace called like the package, which is also the namespace of the library: Status and
+// GraspRequest would be two things each. Only the C++ name is moved; names on the wire are not.
+#pragma once
+
+#define deformable_sim deformable_sim_msgs
+#include <deformable_sim/AddObstacle.h>
+#include <deformable_sim/BodyMesh.h>
+#include <deformable_sim/GetState.h>
+#include <deformable_sim/Grasp.h>
+#include <deformable_sim/GraspCommand.h>
+#include <deformable_sim/GraspStateArray.h>
+#include <deformable_sim/LoadScene.h>
+#include <deformable_sim/MoveGrasp.h>
+#include <deformable_sim/Release.h>
+#include <deformable_sim/RemoveObstacle.h>
+#include <deformable_sim/SetState.h>
+#include <deformable_sim/SimStatus.h>
+#include <deformable_sim/Step.h>
+#undef deformable_sim
+
+namespace deformable_sim {
+namespace msg = ::deformable_sim_msgs;
+}

@@ -1,0 +1,33 @@
+// Constructors of all outputs, one file each in src/ros/publishers.
+#pragma once
+
+#include <memory>
+
+#include "deformable_sim/ros/publishers/publisher.h"
+
+namespace deformable_sim {
+
+/// ~markers, visualization_msgs/MarkerArray: bodies, colliders and grasps for rviz.
+std::unique_ptr<Publisher> make_markers_publisher(const PublisherContext& context);
+/// ~<body>/points, sensor_msgs/PointCloud2 of 44 B a node.
+std::unique_ptr<Publisher> make_body_points_publisher(const PublisherContext& context);
+/// ~points, sensor_msgs/PointCloud2 of all bodies, 48 B a node.
+std::unique_ptr<Publisher> make_all_points_publisher(const PublisherContext& context);
+/// ~<body>/state, BodyState.
+std::unique_ptr<Publisher> make_body_state_publisher(const PublisherContext& context);
+/// ~<body>/mesh, BodyMesh, latched, built when first asked for.
+std::unique_ptr<Publisher> make_mesh_publisher(const PublisherContext& context);
+/// ~grasps, GraspStateArray.
+std::unique_ptr<Publisher> make_grasps_publisher(const PublisherContext& context);
+/// ~grasp/<name>/wrench, geometry_msgs/WrenchStamped in the grasp frame.
+std::unique_ptr<Publisher> make_wrench_publisher(const PublisherContext& context);
+/// ~status, SimStatus.
+std::unique_ptr<Publisher> make_status_publisher(const PublisherContext& context);
+/// /diagnostics, REP 107.
+std::unique_ptr<Publisher> make_diagnostics_publisher(const PublisherContext& context);
+/// /tf: one frame a body and a grasp.
+std::unique_ptr<Publisher> make_transforms_publisher(const PublisherContext& context);
+/// ~grasp_handles, interactive markers: a person drags a grasp.
+std::unique_ptr<Publisher> make_handles_publisher(const PublisherContext& context);
+
+}  // namespace deformable_sim

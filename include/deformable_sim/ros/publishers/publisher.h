@@ -1,0 +1,97 @@
+// What all output topics have in common: nothing is built for a topic that nobody listens to.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <ros/node_handle.h>
+
+#include "deformable_sim/core/command.h"
+#include "deformable_sim/core/snapshot.h"
+#include "deformable_sim/scene/spec.h"
+
+namespace deformable_sim {
+
+/// One state of the world and of its run, immutable, shown by all publishers with one stamp.
+struct Instant {
+  Snapshot snapshot;
+  ros::Time stamp;
+  bool paused = false;
+  std::string failure;                 // why the simulation stopped; empty while it is well
+  bool behind = false;                 // real time is not held
+  double real_time_factor = 0.0;       // 0 = not measured yet
+  double mean_step_seconds = 0.0;      // wall s
+  double longest_step_seconds = 0.0;
+  std::vector<std::string> warnings;   // the core's and the node's
+};
+
+/// What publishers of one scene are made from.
+struct PublisherContext {
+  ros::NodeHandle private_nh;
+  std::string frame_id;   // of all messages
+  std::string node_name;  // without leading slash; prefix of tf frames
+  std::shared_ptr<const Model> model;
+  ros::Time loaded;       // stamp of what is published once per scene
+  OutputSpec outputs;
+  std::function<void(const command::MoveGrasp&)> move_grasp;  // of a dragged handle
+};
+
+/// A topic that counts who comes, so that a paused simulation can be shown to a newcomer.
+class Topic {
+ public:
+  template <typename Message>
+  static Topic advertise(ros::NodeHandle nh, const std::string& name) {
+    Topic topic;
+    const auto joined = topic.joined_;
+    topic.publisher_ = nh.advertise<Message>(name, 1, [joined](const ros::SingleSubscriberPublisher&) { ++*joined; });
+    return topic;
+  }
+  bool wanted() const { return publisher_.getNumSubscribers() > 0; }
+  unsigned joined() const { return *joined_; }
+  template <typename Message>
+  void publish(const Message& message) const {
+    publisher_.publish(message);
+  }
+
+ private:
+  std::shared_ptr<std::atomic<unsigned>> joined_ = std::make_shared<std::atomic<unsigned>>(0);
+  ros::Publisher publisher_;
+};
+
+/// One kind of output. wanted() and joined() are asked on the simulation thread, publish() is called on the publishing
+/// thread, update() on the thread that keeps topics.
+class Publisher {
+ public:
+  virtual ~Publisher() = default;
+  virtual bool wanted() const = 0;
+  /// Grows whenever a subscriber comes.
+  virtual unsigned joined() const = 0;
+  virtual void publish(const Instant& instant) = 0;
+  /// Grasps came or went.
+  virtual void update(const std::vector<std::string>& /*grasp_names*/) {}
+};
+
+/// The usual publisher: a fixed list of topics.
+class TopicsPublisher : public Publisher {
+ public:
+  bool wanted() const override {
+    for (const Topic& topic : topics_) {
+      if (topic.wanted()) return true;
+    }
+    return false;
+  }
+  unsigned joined() const override {
+    unsigned sum = 0;
+    for (const Topic& topic : topics_) sum += topic.joined();
+    return sum;
+  }
+
+ protected:
+  std::vector<Topic> topics_;
+};
+
+}  // namespace deformable_sim

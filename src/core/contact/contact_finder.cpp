@@ -1,0 +1,257 @@
+#include "deformable_sim/core/contact/contact_finder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace deformable_sim {
+namespace {
+
+constexpr int kBlockSize = 32;
+/// Reach beyond the motion expected from speed and gravity: room for what springs add to the speed in one step.
+constexpr double kSlack = 0.002;      // m
+constexpr double kSpeedMargin = 1.25;
+/// Points found inside a surface leave it no faster than this, so that they come out without being thrown.
+constexpr double kExitSpeed = 0.3;    // m/s
+/// Deeper than this behind its last plane a point leaves by the nearest surface instead.
+constexpr double kKeepSideDepth = 0.02;  // m
+
+Vec3 motion_at(const Pose& end_from_begin, const Vec3& p) { return end_from_begin * p - p; }
+
+}  // namespace
+
+ContactFinder::ContactFinder(const Model* model) : model_(model) {
+  for (int b = 0; b < static_cast<int>(model->bodies.size()); ++b) {
+    add_node_points(*model, b, &points_);
+    if (model->bodies[static_cast<size_t>(b)].contact_at_faces) add_between_points(*model, b, &between_);
+  }
+  blocks_ = sort_into_blocks(model->initial.x, kBlockSize, &points_);
+  between_blocks_ = sort_into_blocks(model->initial.x, kBlockSize, &between_);
+  placed_.resize(points_.size());
+  placed_between_.resize(between_.size());
+  node_reach_.resize(static_cast<size_t>(model->node_count()));
+  contact_of_node_.assign(static_cast<size_t>(model->node_count()), -1);
+}
+
+void ContactFinder::set_colliders(const std::vector<Collider>& colliders) {
+  shapes_.clear();
+  planes_.clear();
+  for (int c = 0; c < static_cast<int>(colliders.size()); ++c) {
+    const Collider& collider = colliders[static_cast<size_t>(c)];
+    for (const Shape& s : collider.shapes) shapes_.emplace_back(s, c, collider.friction);
+  }
+}
+
+void ContactFinder::place_shape(PlacedShape* shape, const PoseStep& pose) const {
+  shape->query.place(pose.begin * shape->collider_from_shape);
+  shape->end_from_begin = pose.end * pose.begin.inverse();
+  shape->moves = !(pose.end.matrix() == pose.begin.matrix());
+  shape->travel = 0.0;
+  shape->swept = shape->query.box();
+  if (!shape->moves || !shape->query.bounded()) return;
+  shape->travel = FrameMotion::travel(pose.begin * shape->collider_from_shape, pose.end * shape->collider_from_shape,
+                                      shape->query.bounding_radius());
+  shape->swept = Eigen::AlignedBox3d(shape->query.box().min() - Vec3::Constant(shape->travel),
+                                     shape->query.box().max() + Vec3::Constant(shape->travel));
+}
+
+void ContactFinder::place_points(const std::vector<ContactPoint>& points, const State& s, const std::vector<char>& held,
+                                 std::vector<Point>* placed) const {
+  for (size_t i = 0; i < points.size(); ++i) {
+    const ContactPoint& point = points[i];
+    Point& out = (*placed)[i];
+    out.p = position(point, s.x);
+    out.reach = 0.0;
+    out.active = false;
+    for (int k = 0; k < point.count; ++k) {
+      const auto node = static_cast<size_t>(point.node[static_cast<size_t>(k)]);
+      out.reach = std::max(out.reach, node_reach_[node]);
+      out.active = out.active || !held[node];
+    }
+  }
+}
+
+void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>& poses, const std::vector<char>& held,
+                         double extra_reach, ContactConstraints* contacts) {
+  contacts->clear();
+  std::swap(planes_, last_planes_);
+  planes_.clear();
+
+  const double common = model_->gravity.norm() * dt * dt + kSlack + extra_reach;
+  for (size_t i = 0; i < node_reach_.size(); ++i)
+    node_reach_[i] = kSpeedMargin * s.v.col(static_cast<Eigen::Index>(i)).norm() * dt + common;
+  place_points(points_, s, held, &placed_);
+  place_points(between_, s, held, &placed_between_);
+
+  const auto stride = static_cast<std::int64_t>(points_.size() + between_.size());
+  for (int k = 0; k < shape_count(); ++k) {
+    PlacedShape& shape = shapes_[static_cast<size_t>(k)];
+    const PoseStep& pose = poses[static_cast<size_t>(shape.collider)];
+    place_shape(&shape, pose);
+    const size_t first_contact = contacts->size();
+    find_on_shape(k, points_, blocks_, placed_, k * stride, pose, dt, contacts);
+    if (between_.empty()) continue;
+    for (size_t c = first_contact; c < contacts->size(); ++c)
+      contact_of_node_[static_cast<size_t>((*contacts)[c].node[0])] = static_cast<int>(c);
+    const size_t node_contacts = contacts->size();
+    find_on_shape(k, between_, between_blocks_, placed_between_, k * stride + static_cast<std::int64_t>(points_.size()),
+                  pose, dt, contacts);
+    for (size_t c = first_contact; c < node_contacts; ++c)
+      contact_of_node_[static_cast<size_t>((*contacts)[c].node[0])] = -1;
+  }
+}
+
+void ContactFinder::find_on_shape(int k, const std::vector<ContactPoint>& points, const std::vector<PointBlock>& blocks,
+                                  const std::vector<Point>& placed, std::int64_t first_key, const PoseStep& pose,
+                                  double dt, ContactConstraints* contacts) {
+  PlacedShape& shape = shapes_[static_cast<size_t>(k)];
+  const bool bounded = shape.query.bounded();
+  const Eigen::AlignedBox3d& box = shape.query.box();
+  for (const PointBlock& block : blocks) {
+    if (bounded) {
+      Eigen::AlignedBox3d block_box;
+      double reach = 0.0;
+      for (int i = block.first; i < block.last; ++i) {
+        const auto index = static_cast<size_t>(i);
+        block_box.extend(placed[index].p);
+        reach = std::max(reach, placed[index].reach + model_->bodies[static_cast<size_t>(points[index].body)].contact_radius);
+      }
+      reach += shape.travel;
+      if (box.squaredExteriorDistance(block_box) > reach * reach) continue;
+    }
+    for (int i = block.first; i < block.last; ++i) {
+      const auto index = static_cast<size_t>(i);
+      const Point& at = placed[index];
+      if (!at.active) continue;
+      const ContactPoint& point = points[index];
+      double reach = at.reach + model_->bodies[static_cast<size_t>(point.body)].contact_radius;
+      if (shape.moves) reach += motion_at(shape.end_from_begin, at.p).norm();
+      if (bounded && box.squaredExteriorDistance(at.p) > reach * reach) continue;
+      if (point.count > 1 && implied_by_nodes(point, *contacts)) continue;
+      SurfacePoint surface;
+      if (shape.query.find(at.p, reach, &surface)) add_plane(k, point, at.p, surface, first_key + i, pose, dt, contacts);
+    }
+  }
+}
+
+void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, SurfacePoint surface, std::int64_t key,
+                              const PoseStep& pose, double dt, ContactConstraints* contacts) {
+  const PlacedShape& shape = shapes_[static_cast<size_t>(k)];
+  const Body& body = model_->bodies[static_cast<size_t>(point.body)];
+  if (surface.distance < 0.0) keep_side(key, p, pose.begin, &surface);
+
+  const Vec3 begin = p - surface.distance * surface.normal;
+  Vec3 end = begin;
+  ContactConstraint c;
+  c.normal = surface.normal;
+  if (shape.moves) {
+    end = shape.end_from_begin * begin;
+    c.normal = shape.end_from_begin.linear() * surface.normal;
+    c.surface_velocity = (end - begin) / dt;
+  }
+  const double gap = surface.distance - body.contact_radius;
+  const double surface_offset = c.normal.dot(end);
+  c.offset = surface_offset + body.contact_radius + std::min(0.0, gap + kExitSpeed * dt);
+  c.node = point.node;
+  c.count = point.count;
+  for (int j = 0; j < 3; ++j) c.weight[static_cast<size_t>(j)] = j < point.count ? 1.0 / point.count : 0.0;
+  c.friction = std::sqrt(body.friction * shape.friction);
+  c.collider = shape.collider;
+  contacts->push_back(c);
+
+  const Mat3 collider_from_world = pose.begin.linear().transpose();
+  planes_.push_back({key, k, collider_from_world * surface.normal,
+                     collider_from_world * (begin - pose.begin.translation()), surface_offset});
+}
+
+void ContactFinder::keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider,
+                              SurfacePoint* surface) const {
+  const auto last = std::lower_bound(last_planes_.begin(), last_planes_.end(), key,
+                                     [](const Plane& plane, std::int64_t k) { return plane.key < k; });
+  if (last == last_planes_.end() || last->key != key) return;
+  const Vec3 normal = world_from_collider.linear() * last->normal;
+  if (normal.dot(surface->normal) >= 0.0) return;  // the nearest surface is on the side it came from
+  const double distance = normal.dot(p - world_from_collider * last->point);
+  if (distance > 0.0 || distance < -kKeepSideDepth) return;
+  surface->distance = distance;
+  surface->normal = normal;
+}
+
+bool ContactFinder::implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const {
+  // A mean of points on the admissible side of one and the same plane is on it too.
+  const ContactConstraint* first = nullptr;
+  for (int k = 0; k < point.count; ++k) {
+    const int index = contact_of_node_[static_cast<size_t>(point.node[static_cast<size_t>(k)])];
+    if (index < 0) return false;
+    const ContactConstraint& c = contacts[static_cast<size_t>(index)];
+    if (first == nullptr) {
+      first = &c;
+    } else if (std::abs(c.offset - first->offset) > 1e-9 || (c.normal - first->normal).squaredNorm() > 1e-24) {
+      return false;
+    }
+  }
+  return true;
+}
+
+double ContactFinder::missed_motion(const Nodes& before, const Nodes& after) {
+  double missed = 0.0;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    // A held node meets nothing itself, but the points between it and its neighbours do.
+    if (!placed_[i].active && between_.empty()) continue;
+    const int node = points_[i].node[0];
+    const Vec3 end = after.col(node);
+    const double moved = (end - before.col(node)).norm();
+    const double excess = moved - node_reach_[static_cast<size_t>(node)];
+    if (excess <= missed) continue;
+    const double near = model_->bodies[static_cast<size_t>(points_[i].body)].contact_radius + moved;
+    SurfacePoint surface;
+    for (PlacedShape& shape : shapes_) {
+      if (shape.query.bounded() ? shape.swept.squaredExteriorDistance(end) < near * near
+                                : shape.query.find(end, near + motion_at(shape.end_from_begin, end).norm(), &surface))
+        missed = excess;
+    }
+  }
+  return 1.5 * missed;
+}
+
+double ContactFinder::penetration(const Nodes& x, const std::vector<PoseStep>& poses, const ContactConstraints& contacts) {
+  double deepest = 0.0;
+  int placed = -1;
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const ContactConstraint& c = contacts[i];
+    const Plane& plane = planes_[i];
+    Vec3 p = Vec3::Zero();
+    for (int k = 0; k < c.count; ++k) p += c.weight[static_cast<size_t>(k)] * x.col(c.node[static_cast<size_t>(k)]);
+    // On the outer side of a tangent plane of a convex shape: outside.
+    if (c.normal.dot(p) >= plane.end_offset) continue;
+    PlacedShape& shape = shapes_[static_cast<size_t>(plane.shape)];
+    if (placed != plane.shape) {
+      shape.query.place(poses[static_cast<size_t>(shape.collider)].end * shape.collider_from_shape);
+      placed = plane.shape;
+    }
+    SurfacePoint surface;
+    if (shape.query.find(p, 0.0, &surface)) deepest = std::max(deepest, -surface.distance);
+  }
+  return deepest;
+}
+
+double measure_penetration(const Model& model, const std::vector<Collider>& colliders, const Nodes& x) {
+  std::vector<ContactPoint> points;
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    add_node_points(model, b, &points);
+    add_between_points(model, b, &points);
+  }
+  double deepest = 0.0;
+  for (const Collider& collider : colliders) {
+    for (const Shape& s : collider.shapes) {
+      SurfaceQuery query(s);
+      query.place(collider.world_from_collider * s.collider_from_shape);
+      SurfacePoint surface;
+      for (const ContactPoint& point : points)
+        if (query.find(position(point, x), 0.0, &surface)) deepest = std::max(deepest, -surface.distance);
+    }
+  }
+  return deepest;
+}
+
+}  // namespace deformable_sim

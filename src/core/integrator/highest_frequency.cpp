@@ -1,0 +1,106 @@
+// Highest natural frequency, for the step limit of explicit schemes.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+#include "deformable_sim/core/integrator/integrator.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr int kMostSteps = 200;
+constexpr int kCheckEvery = 10;
+constexpr double kChange = 1e-4;  // of the eigenvalue between two checks
+
+/// M^(-1/2) K M^(-1/2) by central differences of the forces: no matrix has to exist.
+class MassScaledStiffness {
+ public:
+  MassScaledStiffness(const Dynamics& d, const State& s) : dynamics_(d), rest_(s), moved_(s) {
+    root_ = d.mass->cwiseSqrt().cwiseInverse();
+    for (int node : d.kinematics.node) root_[node] = 0.0;
+    const double extent = (s.x.rowwise().maxCoeff() - s.x.rowwise().minCoeff()).norm();
+    step_ = 1e-7 * (extent > 0.0 ? extent : 1.0);
+  }
+
+  Nodes times(const Nodes& q) {
+    const Nodes direction = q * root_.asDiagonal();
+    const double scale = direction.cwiseAbs().maxCoeff();
+    if (!(scale > 0.0)) return Nodes::Zero(3, q.cols());
+    const double h = step_ / scale;
+    return ((force(-h, direction) - force(h, direction)) / (2.0 * h)) * root_.asDiagonal();
+  }
+
+  const Eigen::VectorXd& root() const { return root_; }
+
+ private:
+  Nodes force(double h, const Nodes& direction) {
+    moved_.x = rest_.x + h * direction;
+    Nodes f = Nodes::Zero(3, moved_.x.cols());
+    for (const Energy* energy : dynamics_.energies) energy->add_force(moved_, &f);
+    return f;
+  }
+
+  const Dynamics& dynamics_;
+  const State& rest_;
+  State moved_;
+  Eigen::VectorXd root_;  // m^(-1/2), 0 for held nodes
+  double step_;           // m
+};
+
+/// Fixed pseudo-random numbers in [-1, 1]: no direction is left out, and every call gives the same bits.
+Nodes start_vector(Eigen::Index n) {
+  Nodes q(3, n);
+  std::uint64_t state = 0x9E3779B97F4A7C15u;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    q.data()[i] = static_cast<double>(state >> 11) / 4503599627370496.0 - 1.0;
+  }
+  return q;
+}
+
+double largest_of_tridiagonal(const std::vector<double>& alpha, const std::vector<double>& beta) {
+  const auto n = static_cast<Eigen::Index>(alpha.size());
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  solver.computeFromTridiagonal(Eigen::Map<const Eigen::VectorXd>(alpha.data(), n),
+                                Eigen::Map<const Eigen::VectorXd>(beta.data(), n - 1), Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[n - 1];
+}
+
+}  // namespace
+
+double highest_frequency(const Dynamics& d, const State& s) {
+  MassScaledStiffness stiffness(d, s);
+  Nodes q = start_vector(s.x.cols());
+  for (Eigen::Index i = 0; i < q.cols(); ++i) {
+    if (stiffness.root()[i] == 0.0) q.col(i).setZero();
+  }
+  if (!(q.norm() > 0.0)) return 0.0;
+  q /= q.norm();
+
+  Nodes last = Nodes::Zero(3, q.cols());
+  std::vector<double> alpha, beta;
+  double found = 0.0;
+  for (int k = 1; k <= kMostSteps; ++k) {
+    Nodes next = stiffness.times(q);
+    alpha.push_back(next.cwiseProduct(q).sum());
+    next -= alpha.back() * q;
+    if (k > 1) next -= beta.back() * last;
+    const double norm = next.norm();
+    const bool exhausted = norm <= 1e-6 * std::abs(alpha.front()) || norm == 0.0;
+    if (exhausted || k % kCheckEvery == 0) {
+      const double largest = largest_of_tridiagonal(alpha, beta);
+      const bool settled = std::abs(largest - found) <= kChange * std::abs(largest);
+      found = largest;
+      if (exhausted || settled) break;
+    }
+    beta.push_back(norm);
+    last = q;
+    q = next / norm;
+  }
+  return std::sqrt(std::max(0.0, found));
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,37 @@
+// Time schemes by name.
+#include "deformable_sim/core/error.h"
+#include "deformable_sim/core/integrator/schemes.h"
+
+namespace deformable_sim {
+namespace {
+
+struct Entry {
+  const char* name;
+  std::unique_ptr<Integrator> (*make)(const SolverSettings&);
+};
+
+constexpr Entry kEntries[] = {
+    {"explicit_euler", [](const SolverSettings&) { return make_explicit_euler(); }},
+    {"symplectic_euler", [](const SolverSettings&) { return make_symplectic_euler(); }},
+    {"rk4", [](const SolverSettings&) { return make_rk4(); }},
+    {"implicit_euler", [](const SolverSettings& settings) { return make_implicit_euler(settings); }},
+};
+
+}  // namespace
+
+std::vector<std::string> integrator_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : kEntries) names.emplace_back(entry.name);
+  return names;
+}
+
+std::unique_ptr<Integrator> make_integrator(const std::string& name, const SolverSettings& settings) {
+  std::string allowed;
+  for (const Entry& entry : kEntries) {
+    if (name == entry.name) return entry.make(settings);
+    allowed += std::string(allowed.empty() ? "" : ", ") + entry.name;
+  }
+  throw InputError("integrator \"" + name + "\" is unknown; allowed: " + allowed, Code::kNotFound);
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,183 @@
+// Preconditioned conjugate gradients in single precision, refined in double precision.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "deformable_sim/core/linear/linear_solver.h"
+#include "deformable_sim/core/linear/scalar_factor.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr double kSmoothing = 0.65;         // below 2 / 3, so that three-node terms keep the preconditioner definite
+constexpr double kStiffNode = 4.0;          // a block this much above its scalar diagonal is rescaled
+constexpr double kSinglePrecision = 1e-4;   // the reduction asked of one pass in single precision
+
+using Padded3 = Eigen::Matrix<float, 4, 3>;  // a 3x3 block, one SIMD register a column
+
+Padded3 padded(const Mat3& block) {
+  Padded3 result = Padded3::Zero();
+  result.topRows<3>() = block.cast<float>();
+  return result;
+}
+
+Eigen::Vector4f times(const Padded3& block, const Eigen::Vector4f& x) {
+  return block.col(0) * x[0] + block.col(1) * x[1] + block.col(2) * x[2];
+}
+
+class ConjugateGradient : public LinearSolver {
+ public:
+  void prepare(const BlockMatrix& a) override {
+    factor_.compute(a);
+    const auto n = static_cast<size_t>(a.rows());
+    blocks_.resize(static_cast<size_t>(a.block_count()));
+    inverse_.resize(n);
+    scale_.resize(n);
+    stiff_.clear();
+    stiff_.reserve(n);
+    for (PaddedNodes* m : {&r_, &z_, &p_, &ap_, &t_, &coarse_, &work_, &sum_}) m->setZero(4, a.rows());
+    residual_.setZero(3, a.rows());
+    product_.setZero(3, a.rows());
+  }
+
+  LinearReport solve(const BlockMatrix& a, const Nodes& b, const Eigen::VectorXd& weight,
+                     const LinearTolerance& tolerance, Nodes* x) override {
+    load(a);
+    LinearReport report;
+    const double start = rms(b, weight);
+    const double goal = std::max(tolerance.absolute, tolerance.relative * start);
+    a.multiply(*x, &product_);
+    residual_ = b - product_;
+    double norm = rms(residual_, weight);
+    while (norm > goal && report.iterations < tolerance.iterations) {
+      const double reduction = std::max(goal / norm * 0.9, kSinglePrecision);
+      report.iterations += pass(a, weight, reduction, tolerance.iterations - report.iterations);
+      *x += sum_.topRows<3>().cast<double>() * unit_;
+      if (reduction > kSinglePrecision && report.iterations < tolerance.iterations) return report;
+      a.multiply(*x, &product_);
+      residual_ = b - product_;
+      const double last = norm;
+      norm = rms(residual_, weight);
+      if (!(norm < 0.5 * last)) break;  // round-off, or a matrix that is not definite
+    }
+    report.solved = norm <= goal;
+    return report;
+  }
+
+ private:
+  static double rms(const Nodes& r, const Eigen::VectorXd& weight) {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < r.cols(); ++i) sum += r.col(i).squaredNorm() * weight[i] * weight[i];
+    return std::sqrt(sum / static_cast<double>(std::max<Eigen::Index>(1, r.cols())));
+  }
+
+  double rms(const PaddedNodes& r, const Eigen::VectorXd& weight) const {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < r.cols(); ++i) {
+      const double w = weight[i];
+      sum += static_cast<double>(r.col(i).squaredNorm()) * w * w;
+    }
+    return std::sqrt(sum / static_cast<double>(std::max<Eigen::Index>(1, r.cols())));
+  }
+
+  /// Single precision copy, inverse diagonal blocks, and the scaling of nodes that contacts have made stiff.
+  void load(const BlockMatrix& a) {
+    for (int k = 0; k < a.block_count(); ++k) blocks_[static_cast<size_t>(k)] = padded(a.block(k));
+    stiff_.clear();
+    for (int i = 0; i < a.rows(); ++i) {
+      const Mat3& block = a.block(a.diagonal_slot(i));
+      inverse_[static_cast<size_t>(i)] = padded(kSmoothing * block.inverse());
+      const double scalar = factor_.diagonal()[i];
+      if (block.diagonal().maxCoeff() <= kStiffNode * scalar) continue;
+      // (D / d)^(-1/2): the scalar operator then sees this node as if it had its own stiffness.
+      Eigen::SelfAdjointEigenSolver<Mat3> eigen;
+      eigen.computeDirect(block / scalar);
+      const Vec3 root = eigen.eigenvalues().cwiseMax(1.0).cwiseSqrt().cwiseInverse();
+      scale_[stiff_.size()] = padded(eigen.eigenvectors() * root.asDiagonal() * eigen.eigenvectors().transpose());
+      stiff_.push_back(i);
+    }
+  }
+
+  void multiply(const BlockMatrix& a, const PaddedNodes& x, PaddedNodes* y) const {
+    const int* column = a.column().data();
+    for (int i = 0; i < a.rows(); ++i) {
+      Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+      for (int k = a.row_start()[static_cast<size_t>(i)]; k < a.row_start()[static_cast<size_t>(i) + 1]; ++k) {
+        sum += times(blocks_[static_cast<size_t>(k)], x.col(column[k]));
+      }
+      y->col(i) = sum;
+    }
+  }
+
+  void scale_stiff(PaddedNodes* x) const {
+    for (size_t k = 0; k < stiff_.size(); ++k) x->col(stiff_[k]) = times(scale_[k], x->col(stiff_[k]));
+  }
+
+  /// z = M^-1 r: block-Jacobi, scalar solve, block-Jacobi, each on what the one before has left.
+  void precondition(const BlockMatrix& a) {
+    const Eigen::Index n = r_.cols();
+    for (Eigen::Index i = 0; i < n; ++i) z_.col(i) = times(inverse_[static_cast<size_t>(i)], r_.col(i));
+    multiply(a, z_, &ap_);
+    t_ = r_ - ap_;
+    coarse_ = t_;
+    scale_stiff(&coarse_);
+    factor_.solve(&coarse_, &work_);
+    scale_stiff(&coarse_);
+    z_ += coarse_;
+    multiply(a, coarse_, &ap_);
+    t_ -= ap_;
+    for (Eigen::Index i = 0; i < n; ++i) z_.col(i) += times(inverse_[static_cast<size_t>(i)], t_.col(i));
+  }
+
+  /// One pass from zero on residual_: sum_ * unit_ is the correction. Returns the iterations spent.
+  int pass(const BlockMatrix& a, const Eigen::VectorXd& weight, double reduction, int most) {
+    unit_ = residual_.cwiseAbs().maxCoeff();  // keeps single precision far from its ends
+    r_.topRows<3>() = (residual_ / unit_).cast<float>();
+    sum_.setZero();
+    const double goal = reduction * rms(r_, weight);
+    double rz = 0.0;
+    for (int iteration = 1; iteration <= most; ++iteration) {
+      precondition(a);
+      const double rz_new = dot(r_, z_);
+      if (!(rz_new > 0.0)) return iteration;
+      if (iteration == 1) {
+        p_ = z_;
+      } else {
+        p_ = z_ + static_cast<float>(rz_new / rz) * p_;
+      }
+      rz = rz_new;
+      multiply(a, p_, &ap_);
+      const double curvature = dot(p_, ap_);
+      if (!(curvature > 0.0)) return iteration;
+      const auto alpha = static_cast<float>(rz / curvature);
+      sum_ += alpha * p_;
+      r_ -= alpha * ap_;
+      if (rms(r_, weight) <= goal) return iteration;
+    }
+    return most;
+  }
+
+  static double dot(const PaddedNodes& a, const PaddedNodes& b) {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < a.cols(); ++i) sum += static_cast<double>(a.col(i).dot(b.col(i)));
+    return sum;
+  }
+
+  ScalarFactor factor_;
+  std::vector<Padded3> blocks_;   // of the matrix, by slot
+  std::vector<Padded3> inverse_;  // of the diagonal blocks, times the smoothing weight
+  std::vector<int> stiff_;        // nodes that are rescaled ...
+  std::vector<Padded3> scale_;    // ... and how
+  PaddedNodes r_, z_, p_, ap_, t_, coarse_, work_, sum_;
+  Nodes residual_, product_;
+  double unit_ = 1.0;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_conjugate_gradient_solver() { return std::make_unique<ConjugateGradient>(); }
+
+}  // namespace deformable_sim

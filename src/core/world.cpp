@@ -1,0 +1,257 @@
+// Construction and the step.
+#include "deformable_sim/core/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include <time.h>
+
+#include "world_parts.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr int kMaxHalvings = 6;
+constexpr double kFurthest = 1e6;         // m: beyond this a state counts as diverged
+constexpr double kGrossResidual = 100.0;  // m/s^2: an implicit step this far off is tried again in two parts
+constexpr int kMaxWidenings = 4;
+
+void check_settings(const WorldSettings& s) {
+  if (!std::isfinite(s.dt) || s.dt <= 0.0 || s.dt > 1.0) throw InputError("dt must be > 0 and at most 1 s");
+  if (!std::isfinite(s.grasp_max_speed) || s.grasp_max_speed <= 0.0) throw InputError("grasp_max_speed must be > 0 m/s");
+  if (!std::isfinite(s.collider_max_speed) || s.collider_max_speed <= 0.0)
+    throw InputError("collider_max_speed must be > 0 m/s");
+}
+
+void add(const StepReport& part, StepReport* sum) {
+  sum->converged = sum->converged && part.converged;
+  sum->newton_iterations += part.newton_iterations;
+  sum->linear_iterations += part.linear_iterations;
+  sum->residual = std::max(sum->residual, part.residual);
+  sum->seconds_assembly += part.seconds_assembly;
+  sum->seconds_solve += part.seconds_solve;
+}
+
+}  // namespace
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings world_settings,
+                    std::vector<Collider> colliders_in, std::vector<GraspRequest> grasps_in)
+    : model(std::move(shared_model)),
+      settings(std::move(world_settings)),
+      initial_colliders(std::move(colliders_in)),
+      initial_grasps(std::move(grasps_in)),
+      grasps(model.get(), settings.grasp_max_speed),
+      colliders(settings.collider_max_speed) {
+  check_settings(settings);
+  integrator = make_integrator(settings.integrator, settings.solver);
+  dynamics.mass = &model->mass;
+  if (integrator->needs().jacobian) {
+    std::vector<std::array<int, 2>> pairs;
+    for (const auto& e : model->energies) e->add_pattern(&pairs);
+    pattern = BlockMatrix(model->node_count(), pairs);
+    for (const auto& e : model->energies) e->bind(pattern);
+    dynamics.pattern = &pattern;
+  }
+  start();
+}
+
+void World::Parts::start() {
+  state = model->initial;
+  state.time = 0.0;
+  step_count = 0;
+  report = StepReport();
+  substeps = 1;
+  max_penetration = 0.0;
+  warnings.clear();
+  cost = last_cost = CostWindow();
+  grasps = GraspSet(model.get(), settings.grasp_max_speed);
+  colliders = ColliderSet(settings.collider_max_speed);
+  for (const Collider& c : initial_colliders) colliders.add(c);
+  for (const GraspRequest& g : initial_grasps) grasps.add(g, state.x);
+  colliders_changed();
+  held_nodes_changed();
+}
+
+void World::Parts::held_nodes_changed() {
+  dynamics.energies.clear();
+  for (const auto& e : model->energies) dynamics.energies.push_back(e.get());
+  for (TargetSprings* springs : grasps.springs()) {
+    if (dynamics.pattern != nullptr) springs->bind(pattern);
+    dynamics.energies.push_back(springs);
+  }
+  dynamics.kinematics = grasps.kinematics();
+  held.assign(static_cast<size_t>(model->node_count()), 0);
+  for (int node : dynamics.kinematics.node) held[static_cast<size_t>(node)] = 1;
+  stable_dt_age = -1;
+  integrator->reset();
+}
+
+void World::Parts::colliders_changed() {
+  dynamics.contacts.clear();
+  if (colliders.empty()) {
+    contacts.reset();
+    max_penetration = 0.0;
+    return;
+  }
+  if (!contacts) contacts = std::make_unique<ContactFinder>(model.get());
+  contacts->set_colliders(colliders.colliders());
+}
+
+void World::Parts::keep_last_good() {
+  good_state = state;
+  grasps.save_motions(&good_grasps);
+  good_colliders = colliders.motions();
+}
+
+void World::Parts::restore_last_good() {
+  state = good_state;
+  grasps.restore_motions(good_grasps);
+  colliders.restore_motions(good_colliders);
+  if (contacts) contacts->forget_sides();
+  integrator->reset();
+}
+
+bool World::Parts::state_is_sane() const {
+  // Written so that a NaN fails it.
+  return state.finite() && !(state.x.cwiseAbs().maxCoeff() > kFurthest);
+}
+
+void World::Parts::integrate(double h) {
+  const double start = cpu_seconds();
+  const StepReport part = integrator->advance(h, &dynamics, &state);
+  cost.integrate += cpu_seconds() - start;
+  cost.assembly += part.seconds_assembly;
+  cost.solve += part.seconds_solve;
+  add(part, &report);
+}
+
+void World::Parts::integrate_with_contacts(double h) {
+  part_state = state;
+  double extra_reach = 0.0;
+  for (int widening = 0;; ++widening) {
+    double start = cpu_seconds();
+    contacts->find(state, h, collider_steps, held, extra_reach, &dynamics.contacts);
+    cost.contact += cpu_seconds() - start;
+    integrate(h);
+    if (!state_is_sane()) return;
+    start = cpu_seconds();
+    const double missed = contacts->missed_motion(part_state.x, state.x);
+    cost.contact += cpu_seconds() - start;
+    if (missed == 0.0 || widening == kMaxWidenings) return;
+    extra_reach += missed;
+    state = part_state;
+  }
+}
+
+bool World::Parts::advance(double h, double fraction) {
+  double start = cpu_seconds();
+  if (!grasps.empty()) grasps.advance(h, &dynamics.kinematics);
+  if (!colliders.empty()) colliders.advance(h, &collider_steps);
+  cost.grasps += cpu_seconds() - start;
+
+  if (contacts) {
+    integrate_with_contacts(h);
+  } else {
+    integrate(h);
+  }
+
+  start = cpu_seconds();
+  if (!grasps.empty()) grasps.measure(dynamics.kinematics, state, fraction);
+  cost.grasps += cpu_seconds() - start;
+  return state_is_sane();
+}
+
+bool World::Parts::try_step(int parts) {
+  report = StepReport();
+  grasps.clear_wrenches();
+  for (int i = 0; i < parts; ++i)
+    if (!advance(settings.dt / parts, 1.0 / parts)) return false;
+  return true;
+}
+
+void World::Parts::add_warnings() {
+  warnings.clear();
+  char text[200];
+  if (std::isfinite(stable_dt) && substeps > 1) {
+    std::snprintf(text, sizeof text, "%s takes %d substeps of %.3g s to stay stable; implicit_euler does not need them",
+                  integrator->name().c_str(), substeps, settings.dt / substeps);
+    warnings.emplace_back(text);
+  }
+  if (integrator->stability_limit() == 0.0)
+    warnings.push_back(integrator->name() + " is unstable at any step unless damped; use symplectic_euler or implicit_euler");
+  if (!report.converged && !std::isfinite(stable_dt)) {
+    std::snprintf(text, sizeof text, "the implicit step did not converge: RMS unbalanced acceleration %.3g m/s^2, tolerance %.3g",
+                  report.residual, settings.solver.tolerance);
+    warnings.emplace_back(text);
+  }
+}
+
+World::World(std::shared_ptr<const Model> model, WorldSettings settings, std::vector<Collider> colliders,
+             std::vector<GraspRequest> grasps)
+    : parts_(std::make_unique<Parts>(std::move(model), std::move(settings), std::move(colliders), std::move(grasps))) {}
+World::~World() = default;
+
+StepOutcome World::step() {
+  Parts& w = *parts_;
+  w.keep_last_good();
+  const int wanted = w.wanted_parts();
+  w.substeps = wanted;
+  bool ok = w.try_step(w.substeps);
+  if (ok && !w.report.converged && w.report.residual > kGrossResidual) {
+    w.restore_last_good();
+    w.substeps = 2 * wanted;
+    ok = w.try_step(w.substeps);
+  }
+  for (int halvings = 1; !ok && halvings <= kMaxHalvings; ++halvings) {
+    w.restore_last_good();
+    w.substeps = wanted << halvings;
+    ok = w.try_step(w.substeps);
+  }
+
+  StepOutcome outcome;
+  outcome.report = w.report;
+  w.add_warnings();
+  if (!ok) {
+    w.restore_last_good();
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "no finite state at t = %.6g s, even with steps of %.3g s: forces too stiff for %s, or an impossible command",
+                  w.state.time + w.settings.dt, w.settings.dt / w.substeps, w.integrator->name().c_str());
+    outcome.ok = false;
+    outcome.message = text;
+    // Nothing of the failed attempt is reported: its forces need not be finite.
+    w.report = StepReport();
+    w.report.converged = false;
+    w.grasps.clear_wrenches();
+    w.dynamics.contacts.clear();
+    w.warnings.assign(1, text);
+    return outcome;
+  }
+  // From the count, so that a stamp does not carry the rounding of all steps before it.
+  ++w.step_count;
+  w.state.time = static_cast<double>(w.step_count) * w.settings.dt;
+  if (w.contacts) w.max_penetration = w.contacts->penetration(w.state.x, w.collider_steps, w.dynamics.contacts);
+  if (!w.grasps.empty() && w.grasps.slip_overloaded()) w.held_nodes_changed();
+  if (++w.cost.steps == CostWindow::kSteps) {
+    w.last_cost = w.cost;
+    w.cost = CostWindow();
+  }
+  return outcome;
+}
+
+double World::time() const { return parts_->state.time; }
+std::uint64_t World::step_count() const { return parts_->step_count; }
+const State& World::state() const { return parts_->state; }
+const Model& World::model() const { return *parts_->model; }
+std::shared_ptr<const Model> World::shared_model() const { return parts_->model; }
+const WorldSettings& World::settings() const { return parts_->settings; }
+
+}  // namespace deformable_sim

@@ -1,0 +1,88 @@
+// Commands: each is checked completely before anything changes.
+#include <cmath>
+
+#include "world_parts.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr double kFurthest = 1e6;  // m
+constexpr double kFastest = 1e4;   // m/s
+
+void check_body_state(const Model& model, const command::SetBodyState& c) {
+  const int body = model.find_body(c.body);
+  if (body < 0) {
+    std::string known;
+    for (const Body& b : model.bodies) known += (known.empty() ? "" : ", ") + b.name;
+    throw InputError("no body named '" + c.body + "'; there are: " + (known.empty() ? "none" : known), Code::kNotFound);
+  }
+  const Eigen::Index count = model.bodies[static_cast<size_t>(body)].node_count;
+  if (c.x.cols() != count || c.v.cols() != count)
+    throw InputError("'" + c.body + "' has " + std::to_string(count) + " nodes; got " + std::to_string(c.x.cols()) +
+                     " positions and " + std::to_string(c.v.cols()) + " velocities");
+  if (!c.x.allFinite() || !c.v.allFinite()) throw InputError("positions and velocities must be finite");
+  if (count > 0 && c.x.cwiseAbs().maxCoeff() > kFurthest)
+    throw InputError("positions must be within 1e6 m of the origin", Code::kOutOfRange);
+  if (count > 0 && c.v.cwiseAbs().maxCoeff() > kFastest)
+    throw InputError("velocities must be at most 1e4 m/s", Code::kOutOfRange);
+}
+
+}  // namespace
+
+Reply World::apply(const Command& any) {
+  Parts& w = *parts_;
+  const double dt = w.settings.dt;
+  struct Visitor {
+    Parts& w;
+    double dt;
+    Reply reply;
+
+    void operator()(const command::Grasp& c) {
+      reply.nodes = w.grasps.add(c.request, w.state.x);
+      w.held_nodes_changed();
+    }
+    void operator()(const command::MoveGrasp& c) {
+      reply.note = w.grasps.move(c.name, c.world_from_target, c.duration, dt);
+    }
+    void operator()(const command::SetGraspWaiting& c) { w.grasps.set_waiting(c.name, c.waiting); }
+    void operator()(const command::Release& c) {
+      if (c.name.empty() && w.grasps.empty()) reply.note = "there is no grasp to release";
+      w.grasps.release(c.name);
+      w.held_nodes_changed();
+    }
+    void operator()(const command::AddCollider& c) {
+      w.colliders.add(c.collider);
+      w.colliders_changed();
+    }
+    void operator()(const command::MoveCollider& c) {
+      reply.note = w.colliders.move(c.name, c.world_from_collider, c.duration, dt);
+    }
+    void operator()(const command::RemoveCollider& c) {
+      w.colliders.remove(c.name);
+      w.colliders_changed();
+    }
+    void operator()(const command::SetBodyState& c) {
+      check_body_state(*w.model, c);
+      const int index = w.model->find_body(c.body);
+      const Body& body = w.model->bodies[static_cast<size_t>(index)];
+      w.state.x.middleCols(body.first_node, body.node_count) = c.x;
+      w.state.v.middleCols(body.first_node, body.node_count) = c.v;
+      if (w.grasps.hold_in_place(index, w.state.x)) reply.note = "held nodes are now held where they were put";
+      if (w.contacts) w.contacts->forget_sides();
+      w.stable_dt_age = -1;
+      w.integrator->reset();
+    }
+    void operator()(const command::Reset&) { w.start(); }
+  };
+
+  Visitor visitor{w, dt, Reply()};
+  try {
+    std::visit(visitor, any);
+  } catch (const InputError& e) {
+    visitor.reply = Reply();
+    visitor.reply.status = {e.code(), e.what()};
+  }
+  return visitor.reply;
+}
+
+}  // namespace deformable_sim

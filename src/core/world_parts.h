@@ -1,0 +1,88 @@
+// What a World owns, shared by the files that implement it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/contact/collider_set.h"
+#include "deformable_sim/core/contact/contact_finder.h"
+#include "deformable_sim/core/grasp/grasp_set.h"
+#include "deformable_sim/core/world.h"
+
+namespace deformable_sim {
+
+/// Thread CPU seconds by part, of the window being filled and of the last full one.
+struct CostWindow {
+  static constexpr int kSteps = 50;
+  double assembly = 0.0, solve = 0.0, integrate = 0.0, contact = 0.0, grasps = 0.0;
+  int steps = 0;
+  double total() const { return integrate + contact + grasps; }
+};
+
+struct World::Parts {
+  Parts(std::shared_ptr<const Model> shared_model, WorldSettings world_settings, std::vector<Collider> colliders,
+        std::vector<GraspRequest> grasps);
+
+  // What the world was made of.
+  std::shared_ptr<const Model> model;
+  WorldSettings settings;
+  std::vector<Collider> initial_colliders;
+  std::vector<GraspRequest> initial_grasps;
+
+  // What changes.
+  State state;
+  std::uint64_t step_count = 0;
+  std::unique_ptr<Integrator> integrator;
+  BlockMatrix pattern;                      // empty for schemes without a Jacobian
+  Dynamics dynamics;
+  GraspSet grasps;
+  ColliderSet colliders;
+  std::unique_ptr<ContactFinder> contacts;  // only while there is a collider
+  std::vector<PoseStep> collider_steps;     // of the last part of a step
+  std::vector<char> held;                   // per node: its motion is prescribed
+
+  // Of the last step.
+  StepReport report;
+  int substeps = 1;
+  double max_penetration = 0.0;
+  std::vector<std::string> warnings;
+  CostWindow cost, last_cost;
+
+  // Largest stable step of an explicit scheme, s, and how many steps ago it was measured; infinite for implicit ones.
+  double stable_dt = 0.0;
+  int stable_dt_age = 0;
+
+  // To repeat a step.
+  State good_state, part_state;
+  std::vector<FrameMotion> good_grasps, good_colliders;
+
+  /// Initial state, colliders and grasps. Throws InputError.
+  void start();
+  /// Kinematics, springs and everything that depends on which nodes are held.
+  void held_nodes_changed();
+  void colliders_changed();
+
+  void keep_last_good();
+  void restore_last_good();
+  /// One step in `parts` equal parts. False when the state left the finite world.
+  bool try_step(int parts);
+  /// Prescribes, finds contacts, integrates, measures: one part of a step, h seconds.
+  bool advance(double h, double fraction);
+  /// Finds contacts and integrates, again with a wider reach while some node moved further than was looked for.
+  void integrate_with_contacts(double h);
+  void integrate(double h);
+  bool state_is_sane() const;
+  void add_warnings();
+
+  int wanted_parts();
+};
+
+/// Thread CPU time, s.
+double cpu_seconds();
+
+/// Largest rate (1/s) at which M^-1 C damps a motion, C = -df/dv at `s`, by power iteration on force differences.
+double highest_damping_rate(const Dynamics& d, const State& s);
+
+}  // namespace deformable_sim

@@ -1,0 +1,127 @@
+// What a World says about itself: snapshot and bill.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "world_parts.h"
+
+namespace deformable_sim {
+namespace {
+
+/// Body whose nodes a term couples, or -1: terms that couple none (gravity, mass damping) store no elastic energy.
+int body_of(const Model& model, const Energy& energy) {
+  std::vector<std::array<int, 2>> pairs;
+  energy.add_pattern(&pairs);
+  if (pairs.empty()) return -1;
+  for (size_t b = 0; b < model.bodies.size(); ++b)
+    if (pairs.front()[0] < model.bodies[b].first_node + model.bodies[b].node_count) return static_cast<int>(b);
+  return -1;
+}
+
+BodyReport report_of(const Model& model, const Body& body, const State& s) {
+  BodyReport r;
+  for (int i = body.first_node; i < body.first_node + body.node_count; ++i) {
+    r.kinetic_energy += 0.5 * model.mass[i] * s.v.col(i).squaredNorm();
+    r.potential_energy -= model.mass[i] * model.gravity.dot(s.x.col(i));
+  }
+  for (const StrainEdge& e : body.strain_edges) {
+    const double strain = (s.x.col(e.node[1]) - s.x.col(e.node[0])).norm() / e.rest_length - 1.0;
+    r.max_strain = std::max(r.max_strain, strain);
+    r.min_strain = std::min(r.min_strain, strain);
+  }
+  return r;
+}
+
+/// CPU seconds of one evaluation of a term's force, to divide the measured cost of assembly between the terms.
+double force_seconds(const Energy& energy, const State& s, Nodes* work) {
+  const double start = cpu_seconds();
+  energy.add_force(s, work);
+  return cpu_seconds() - start;
+}
+
+/// "stretch springs" has so many "springs", "gravity" acts on so many "elements".
+std::string counted(const Energy& energy) {
+  const std::string name = energy.name();
+  const bool springs = name.size() >= 7 && name.compare(name.size() - 7, 7, "springs") == 0;
+  return std::to_string(energy.element_count()) + (springs ? " springs" : " elements");
+}
+
+}  // namespace
+
+Snapshot World::snapshot() const {
+  const Parts& w = *parts_;
+  Snapshot s;
+  s.time = w.state.time;
+  s.step = w.step_count;
+  s.model = w.model;
+  s.x = w.state.x;
+  s.v = w.state.v;
+  for (const Body& b : w.model->bodies) s.bodies.push_back(report_of(*w.model, b, w.state));
+  for (const auto& e : w.model->energies) {
+    const int body = body_of(*w.model, *e);
+    if (body >= 0) s.bodies[static_cast<size_t>(body)].elastic_energy += e->value(w.state);
+  }
+  for (const ContactConstraint& c : w.dynamics.contacts) {
+    if (c.force.isZero(0.0)) continue;
+    for (size_t b = 0; b < w.model->bodies.size(); ++b) {
+      const Body& body = w.model->bodies[b];
+      if (c.node[0] >= body.first_node && c.node[0] < body.first_node + body.node_count) ++s.bodies[b].contacts;
+    }
+  }
+  s.grasps = w.grasps.reports();
+  s.colliders = w.colliders.colliders();
+  s.report = w.report;
+  s.integrator = w.integrator->name();
+  s.dt = w.settings.dt;
+  s.substeps = w.substeps;
+  s.max_penetration = w.max_penetration;
+  s.warnings = w.warnings;
+
+  const CostWindow& cost = w.last_cost.steps > 0 ? w.last_cost : w.cost;
+  if (cost.steps == 0) return s;
+  const double per_second = 1.0 / (cost.steps * w.settings.dt);
+  s.cost.push_back({"forces and assembly", cost.assembly * per_second});
+  if (w.dynamics.pattern != nullptr) s.cost.push_back({"linear solver", cost.solve * per_second});
+  s.cost.push_back({"integrator", std::max(0.0, cost.integrate - cost.assembly - cost.solve) * per_second});
+  if (w.contacts) s.cost.push_back({"contact", cost.contact * per_second});
+  if (!w.grasps.empty()) s.cost.push_back({"grasps", cost.grasps * per_second});
+  return s;
+}
+
+std::vector<BillItem> World::bill() const {
+  const Parts& w = *parts_;
+  const CostWindow& cost = w.last_cost.steps > 0 ? w.last_cost : w.cost;
+  const double total = cost.total() > 0.0 ? cost.total() : 1.0;
+
+  std::vector<BillItem> bill;
+  std::vector<double> seconds;
+  double sum = 0.0;
+  Nodes work = Nodes::Zero(3, w.model->node_count());
+  for (const Energy* e : w.dynamics.energies) {
+    seconds.push_back(force_seconds(*e, w.state, &work));
+    sum += seconds.back();
+  }
+  for (size_t i = 0; i < w.dynamics.energies.size(); ++i) {
+    const double share = sum > 0.0 ? cost.assembly / total * seconds[i] / sum : 0.0;
+    bill.push_back({w.dynamics.energies[i]->name(), counted(*w.dynamics.energies[i]), share});
+  }
+  if (w.dynamics.pattern != nullptr) {
+    const bool direct = w.settings.solver.linear == SolverSettings::Linear::kDirect;
+    bill.push_back({"linear solver",
+                    std::string(direct ? "direct" : "conjugate gradient") + ", " +
+                        std::to_string(w.pattern.block_count()) + " blocks of 3 x 3",
+                    cost.solve / total});
+  }
+  bill.push_back({w.integrator->name(), std::to_string(w.model->node_count()) + " nodes",
+                  std::max(0.0, cost.integrate - cost.assembly - cost.solve) / total});
+  if (w.contacts)
+    bill.push_back({"contact",
+                    std::to_string(w.contacts->point_count()) + " points, " + std::to_string(w.contacts->shape_count()) +
+                        " shapes",
+                    cost.contact / total});
+  if (!w.grasps.empty())
+    bill.push_back({"grasps", std::to_string(w.grasps.held_count()) + " nodes", cost.grasps / total});
+  return bill;
+}
+
+}  // namespace deformable_sim

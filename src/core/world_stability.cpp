@@ -1,0 +1,76 @@
+// How many parts an explicit step needs to stay stable.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "world_parts.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr double kSafety = 0.9;
+constexpr int kRemeasureSteps = 50;
+constexpr int kMaxParts = 100000;
+
+/// Largest stable step of an oscillator of frequency omega damped at `rate` = 2 zeta omega, exact for symplectic Euler
+/// (limit 2), close for the others: h = limit / omega (sqrt(1 + zeta^2) - zeta).
+double damped_limit(double limit, double omega, double rate) {
+  if (omega <= 0.0) return rate > 0.0 ? limit / rate : std::numeric_limits<double>::infinity();
+  const double zeta = 0.5 * rate / omega;
+  return limit / omega / (std::sqrt(1.0 + zeta * zeta) + zeta);
+}
+
+}  // namespace
+
+double highest_damping_rate(const Dynamics& d, const State& s) {
+  const Eigen::Index n = s.x.cols();
+  std::vector<char> held(static_cast<size_t>(n), 0);
+  for (int node : d.kinematics.node) held[static_cast<size_t>(node)] = 1;
+  const auto force = [&d](const State& at) {
+    Nodes f = Nodes::Zero(3, at.x.cols());
+    for (const Energy* e : d.energies) e->add_force(at, &f);
+    return f;
+  };
+  const Nodes f0 = force(s);
+  Nodes w(3, n);
+  // Any start that is not smooth: the fastest damped modes alternate from node to node.
+  for (Eigen::Index i = 0; i < w.size(); ++i) w.data()[i] = std::sin(12.9898 * static_cast<double>(i + 1));
+  constexpr double kProbe = 1e-4;  // m/s, largest component: small against the speeds of drag, large against rounding
+  State probe = s;
+  double rate = 0.0;
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (held[static_cast<size_t>(i)]) w.col(i).setZero();
+    const double largest = w.cwiseAbs().maxCoeff();
+    if (!(largest > 0.0)) return 0.0;
+    w *= kProbe / largest;
+    probe.v = s.v + w;
+    Nodes image = f0 - force(probe);
+    for (Eigen::Index i = 0; i < n; ++i) image.col(i) /= (*d.mass)[i];
+    const double next = image.norm() / w.norm();
+    w = image;
+    const bool settled = std::abs(next - rate) < 1e-3 * next;
+    rate = next;
+    if (settled) break;
+  }
+  return rate;
+}
+
+int World::Parts::wanted_parts() {
+  const double limit = integrator->stability_limit();
+  if (!std::isfinite(limit)) {
+    stable_dt = std::numeric_limits<double>::infinity();
+    return 1;
+  }
+  if (stable_dt_age < 0 || stable_dt_age >= kRemeasureSteps) {
+    // Explicit Euler has no stable step of its own without damping; it is given the one of its symplectic sister.
+    stable_dt = damped_limit(limit > 0.0 ? limit : 2.0, highest_frequency(dynamics, state),
+                             highest_damping_rate(dynamics, state));
+    stable_dt_age = 0;
+  }
+  ++stable_dt_age;
+  const double parts = std::ceil(settings.dt / (kSafety * stable_dt) - 1e-9);
+  return static_cast<int>(std::clamp(parts, 1.0, static_cast<double>(kMaxParts)));
+}
+
+}  // namespace deformable_sim

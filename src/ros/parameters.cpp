@@ -1,0 +1,161 @@
+#include "deformable_sim/ros/parameters.h"
+
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include <ros/console.h>
+#include <ros/node_handle.h>
+
+#include "deformable_sim/core/error.h"
+#include "deformable_sim/ros/convert.h"
+#include "deformable_sim/scene/load.h"
+
+namespace deformable_sim {
+
+namespace {
+
+class Reader {
+ public:
+  explicit Reader(const ros::NodeHandle& nh) : nh_(nh) {}
+
+  void read(const char* key, std::string* value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!fetch(key, &raw)) return;
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeString) refuse(key, "a string is needed");
+    *value = static_cast<std::string>(raw);
+  }
+
+  void read(const char* key, bool* value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!fetch(key, &raw)) return;
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeBoolean) refuse(key, "true or false is needed");
+    *value = static_cast<bool>(raw);
+  }
+
+  void read(const char* key, int low, int high, int* value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!fetch(key, &raw)) return;
+    const std::string allowed = std::to_string(low) + " ... " + std::to_string(high);
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeInt) refuse(key, "a whole number is needed, " + allowed);
+    *value = static_cast<int>(raw);
+    if (*value < low || *value > high) refuse(key, std::to_string(*value) + " is out of range, allowed is " + allowed);
+  }
+
+  template <typename Value>  // double or std::optional<double>
+  void read_real(const char* key, double low, double high, Value* value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!fetch(key, &raw)) return;
+    std::ostringstream allowed;
+    allowed << low << " ... " << high;
+    double number = 0.0;
+    if (raw.getType() == XmlRpc::XmlRpcValue::TypeDouble) {
+      number = static_cast<double>(raw);
+    } else if (raw.getType() == XmlRpc::XmlRpcValue::TypeInt) {
+      number = static_cast<int>(raw);
+    } else {
+      refuse(key, "a number is needed, " + allowed.str());
+    }
+    if (!(number >= low && number <= high)) refuse(key, "out of range, allowed is " + allowed.str());
+    *value = number;
+  }
+
+  [[noreturn]] static void refuse(const std::string& key, const std::string& why) {
+    throw InputError("parameter ~" + key + ": " + why);
+  }
+
+  /// Private parameters that nobody reads: typing mistakes.
+  std::string unknown() const {
+    std::vector<std::string> names;
+    nh_.getParamNames(names);
+    const std::string prefix = nh_.getNamespace() + "/";
+    std::set<std::string> unknown;
+    for (const std::string& name : names) {
+      if (name.compare(0, prefix.size(), prefix) != 0) continue;
+      const std::string key = name.substr(prefix.size(), name.find('/', prefix.size()) - prefix.size());
+      if (known_.count(key) == 0) unknown.insert(key);
+    }
+    std::string list;
+    for (const std::string& key : unknown) list += (list.empty() ? "~" : ", ~") + printable(key);
+    return list;
+  }
+
+  std::string known() const {
+    std::string list;
+    for (const std::string& key : known_) list += (list.empty() ? "~" : ", ~") + key;
+    return list;
+  }
+
+ private:
+  bool fetch(const char* key, XmlRpc::XmlRpcValue* raw) {
+    known_.insert(key);
+    return nh_.getParam(key, *raw);
+  }
+
+  const ros::NodeHandle& nh_;
+  std::set<std::string> known_{"diagnostic_period", "robot_description"};  // read by others under this namespace
+};
+
+ClockMode to_clock_mode(const std::string& text) {
+  for (const ClockMode mode : {ClockMode::kRealTime, ClockMode::kAsFastAsPossible, ClockMode::kOnDemand}) {
+    if (text == to_string(mode)) return mode;
+  }
+  Reader::refuse("clock", "'" + printable(text) + "', allowed are real_time, as_fast_as_possible, on_demand");
+}
+
+std::string summary(const Parameters& p) {
+  const auto rate = [](const std::optional<double>& value) -> std::string {
+    if (!value) return "scene's";
+    std::ostringstream text;
+    text << *value << " Hz";
+    return text.str();
+  };
+  std::ostringstream line;
+  line << "scene " << p.scene << ", frame_id " << p.frame_id << ", clock " << to_string(p.clock)
+       << (p.publish_clock ? " (publishes /clock)" : "") << ", rates: markers " << rate(p.rate_markers) << ", points "
+       << rate(p.rate_points) << ", state " << rate(p.rate_state) << ", threads " << p.threads << ", tf_timeout "
+       << p.tf_timeout << " s" << (p.start_paused ? ", starts paused" : "");
+  return line.str();
+}
+
+}  // namespace
+
+const char* to_string(ClockMode mode) {
+  switch (mode) {
+    case ClockMode::kRealTime: return "real_time";
+    case ClockMode::kAsFastAsPossible: return "as_fast_as_possible";
+    case ClockMode::kOnDemand: return "on_demand";
+  }
+  return "";
+}
+
+Parameters read_parameters(const ros::NodeHandle& private_nh) {
+  Parameters p;
+  Reader reader(private_nh);
+  std::string clock = to_string(p.clock);
+  p.scene_dir = default_scene_dir();
+  reader.read("scene", &p.scene);
+  reader.read("scene_dir", &p.scene_dir);
+  reader.read("frame_id", &p.frame_id);
+  reader.read("clock", &clock);
+  reader.read("publish_clock", &p.publish_clock);
+  reader.read_real("rate_markers", 0.0, 1000.0, &p.rate_markers);
+  reader.read_real("rate_points", 0.0, 1000.0, &p.rate_points);
+  reader.read_real("rate_state", 0.0, 1000.0, &p.rate_state);
+  reader.read("threads", 1, 64, &p.threads);
+  reader.read("start_paused", &p.start_paused);
+  reader.read_real("tf_timeout", 0.001, 10.0, &p.tf_timeout);
+  p.clock = to_clock_mode(clock);
+  if (p.scene.empty()) Reader::refuse("scene", "missing; a scene file, or the name of a shipped scene, is needed");
+  if (p.frame_id.empty() || p.frame_id[0] == '/') Reader::refuse("frame_id", "a tf frame without leading slash is needed");
+
+  const std::string unknown = reader.unknown();
+  if (!unknown.empty()) {
+    ROS_WARN_STREAM_NAMED("parameters", "unknown parameters ignored: " << unknown << " (known: " << reader.known() << ")");
+  }
+  ROS_INFO_STREAM_NAMED("parameters", summary(p));
+  return p;
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,57 @@
+// ~<body>/mesh: latched, and still built only when somebody asks.
+#include "deformable_sim/ros/convert.h"
+#include "deformable_sim/ros/messages.h"
+#include "deformable_sim/ros/publishers/makers.h"
+
+namespace deformable_sim {
+
+namespace {
+
+msg::BodyMesh mesh_message(const Body& body) {
+  msg::BodyMesh message;
+  message.body = body.name;
+  const Nodes& rest = body.surface ? body.surface->rest : body.line->rest;
+  for (int node = 0; node < rest.cols(); ++node) message.mesh.vertices.push_back(to_point(rest.col(node)));
+  if (!body.surface) return message;
+  for (const std::array<int, 3>& triangle : body.surface->triangles) {
+    shape_msgs::MeshTriangle indices;
+    for (int corner = 0; corner < 3; ++corner) indices.vertex_indices[corner] = triangle[corner];
+    message.mesh.triangles.push_back(indices);
+  }
+  return message;
+}
+
+/// Needs no snapshot, so it is never wanted from the simulation: a subscriber's arrival makes the message.
+class Meshes : public Publisher {
+ public:
+  explicit Meshes(const PublisherContext& context) {
+    for (const Body& body : context.model->bodies) {
+      const auto publish_first = [model = context.model, &body, frame_id = context.frame_id, stamp = context.loaded,
+                                  done = std::make_shared<std::atomic<bool>>(false),
+                                  slot = std::make_shared<ros::Publisher>()](const ros::SingleSubscriberPublisher& to) {
+        if (done->exchange(true)) return;  // latched by now
+        msg::BodyMesh message = mesh_message(body);
+        message.header.frame_id = frame_id;
+        message.header.stamp = stamp;
+        to.publish(message);
+      };
+      ros::NodeHandle nh = context.private_nh;
+      publishers_.push_back(nh.advertise<msg::BodyMesh>(body.name + "/mesh", 1, publish_first, {}, {}, true));
+    }
+  }
+
+  bool wanted() const override { return false; }
+  unsigned joined() const override { return 0; }
+  void publish(const Instant&) override {}
+
+ private:
+  std::vector<ros::Publisher> publishers_;
+};
+
+}  // namespace
+
+std::unique_ptr<Publisher> make_mesh_publisher(const PublisherContext& context) {
+  return std::make_unique<Meshes>(context);
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,45 @@
+#include "deformable_sim/ros/state_messages.h"
+
+#include <algorithm>
+
+#include "deformable_sim/ros/convert.h"
+
+namespace deformable_sim {
+
+namespace {
+
+std::vector<double> flat(const Nodes& nodes, const Body& body) {
+  const double* begin = nodes.data() + 3 * body.first_node;
+  return std::vector<double>(begin, begin + 3 * body.node_count);
+}
+
+}  // namespace
+
+msg::BodyState body_state_message(const Snapshot& snapshot, int body, const std::string& frame_id, ros::Time stamp) {
+  const Body& shape = snapshot.model->bodies[body];
+  const BodyReport& report = snapshot.bodies[body];
+  msg::BodyState message;
+  message.header.frame_id = frame_id;
+  message.header.stamp = stamp;
+  message.body = shape.name;
+  message.kind = static_cast<std::uint8_t>(shape.kind);
+  message.positions = flat(snapshot.x, shape);
+  message.velocities = flat(snapshot.v, shape);
+  message.kinetic_energy = report.kinetic_energy;
+  message.elastic_energy = report.elastic_energy;
+  message.potential_energy = report.potential_energy;
+  message.max_strain = report.max_strain;
+  message.min_strain = report.min_strain;
+  message.contacts = static_cast<std::uint32_t>(std::max(0, report.contacts));
+  return message;
+}
+
+geometry_msgs::Wrench wrench_message(const GraspReport& grasp) {
+  const Mat3 grasp_from_world = grasp.world_from_grasp.linear().transpose();
+  geometry_msgs::Wrench wrench;
+  wrench.force = to_vector(grasp_from_world * grasp.force);
+  wrench.torque = to_vector(grasp_from_world * grasp.torque);
+  return wrench;
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,27 @@
+// Named places of a body that pins and grasps refer to.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/topology/polyline.h"
+#include "deformable_sim/core/topology/triangle_mesh.h"
+#include "deformable_sim/scene/spec.h"
+
+namespace deformable_sim {
+
+using Features = std::map<std::string, std::vector<int>>;
+
+/// What a body of this kind offers, in a fixed order.
+///   grid cloth  corner_0..3 at (0,0), (nx,0), (nx,ny), (0,ny); edge_k from corner_k to the next; center
+///   mesh cloth  center: the node nearest to the centroid
+///   open rope   end_0, end_1, center
+///   closed rope end_0: the node where the loop closes; center: the one opposite
+std::vector<std::string> feature_names(const BodySpec& body);
+
+/// Body-local nodes of each feature.
+Features sheet_features(const TriangleMesh& mesh);
+Features line_features(const Polyline& line);
+
+}  // namespace deformable_sim

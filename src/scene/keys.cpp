@@ -1,0 +1,289 @@
+#include "keys.h"
+
+namespace deformable_sim {
+namespace {
+
+const Range kCoordinate = between(-1000, 1000);
+const Range kFriction = between(0, 10);
+const Range kRate = between(0, 1000);
+
+void read_rotation(const YamlValue& v, const std::string& path, PoseSpec* pose) {
+  double a[3];
+  read_vector(v, path, between(-100, 100), a, 3);
+  pose->orientation = Eigen::AngleAxisd(a[2], Vec3::UnitZ()) * Eigen::AngleAxisd(a[1], Vec3::UnitY()) *
+                      Eigen::AngleAxisd(a[0], Vec3::UnitX());
+}
+
+void read_quaternion(const YamlValue& v, const std::string& path, PoseSpec* pose) {
+  Eigen::Vector4d q;
+  read_vector(v, path, between(-1.01, 1.01), q.data(), 4);
+  if (std::abs(q.norm() - 1.0) > 1e-3) {
+    refuse(v, path, "has length " + format_number(q.norm()) + "; a unit quaternion [x, y, z, w] is allowed");
+  }
+  pose->orientation = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
+}
+
+void read_pins(const YamlValue& v, const std::string& path, BodySpec* body) {
+  for (const YamlValue& item : read_list(v, path, "features")) {
+    body->pins.push_back(read_text(item, path + "[" + std::to_string(body->pins.size()) + "]"));
+  }
+}
+
+void read_color(const YamlValue& v, const std::string& path, BodySpec* body) {
+  body->color.emplace();
+  read_vector(v, path, between(0, 1), body->color->data(), 3);
+}
+
+/// Keys that cloth and rope share, after those of their own.
+void add_common_keys(Table<BodySpec>* table) {
+  table->number("friction", "", &BodySpec::friction, kFriction,
+                "Coulomb coefficient; a contact takes the geometric mean of body and collider.");
+  table->optional_number("contact_radius", "m", &BodySpec::contact_radius, between(0.0001, 0.1),
+                         "half the thickness or diameter, at least " + format_number(kMinContactRadius),
+                         "Distance kept between the body's nodes and collider surfaces.");
+  table->add({"color", "[r, g, b]", "", "by order", "0 ... 1", "Colour in rviz."}, read_color);
+  table->add({"pins", "list of features", "", "[]", "features of the body",
+              "Features held where they start: each becomes a rigid grasp named pin_BODY_FEATURE, which can be moved and "
+              "released like any other."},
+             read_pins);
+}
+
+template <class T>
+Table<T>& add_shared_material_keys(Table<T>* table) {
+  table->optional_number("stretch_stiffness", "N/m", &T::stretch_stiffness, above(0, 1e9), "from youngs_modulus",
+                         "Stiffness of each structural spring; replaces youngs_modulus and depends on the mesh.");
+  table->optional_number("bend_stiffness", "N/m", &T::bend_stiffness, between(0, 1e9), "from the material",
+                         "Stiffness of each bend spring (over two cells or segments, or across an edge); 0 = none.");
+  table->number("damping", "s", &T::damping, between(0, 1),
+                "Viscous coefficient of each spring over its stiffness.");
+  return *table;
+}
+
+}  // namespace
+
+Table<PoseSpec> pose_table() {
+  Table<PoseSpec> t("pose", "Rigid placement in the world (of a body, a collider, a selection or a grasp).");
+  t.vector("position", "[x, y, z]", "m", &PoseSpec::position, kCoordinate, "Origin.");
+  t.add({"rpy", "[roll, pitch, yaw]", "rad", "[0, 0, 0]", "-100 ... 100", "Rotation about the fixed axes x, y, z, in this order."},
+        read_rotation);
+  t.add({"orientation", "[x, y, z, w]", "", "[0, 0, 0, 1]", "unit length", "The same as a quaternion."}, read_quaternion);
+  t.at_most_one_of({"rpy", "orientation"});
+  return t;
+}
+
+Table<AirSpec> air_table() {
+  Table<AirSpec> t("air", "Air around the bodies. Without drag_coefficient and damping there is no aerodynamic force at all.");
+  t.number("density", "kg/m^3", &AirSpec::density, between(0, 2000), "Of the air (or water: 1000).");
+  t.number("drag_coefficient", "", &AirSpec::drag_coefficient, between(0, 10),
+           "Of a flat plate in normal flow (cloth), of a cylinder in cross flow (rope); 0 = none.");
+  t.vector("wind", "[x, y, z]", "m/s", &AirSpec::wind, between(-100, 100), "Mean wind; acts through the drag.");
+  t.number("gust_amplitude", "", &AirSpec::gust_amplitude, between(0, 1),
+           "The wind is scaled by 1 + gust_amplitude sin(2 pi gust_frequency time).");
+  t.number("gust_frequency", "Hz", &AirSpec::gust_frequency, between(0, 100), "See gust_amplitude.");
+  t.number("damping", "1/s", &AirSpec::damping, between(0, 1000), "Linear drag per unit mass, the same for every node.");
+  return t;
+}
+
+Table<StepSpec> step_table() {
+  Table<StepSpec> t("step", "Time stepping. The last five keys are for implicit schemes.");
+  t.number("dt", "s", &StepSpec::dt, between(1e-6, 0.1), "One step of simulated time.");
+  t.choice("integrator", &StepSpec::integrator, integrator_names(), "Time scheme.");
+  t.add({"linear_solver", "word", "", "cg", "cg, direct", "Preconditioned conjugate gradient, or sparse factorisation."},
+        [](const YamlValue& v, const std::string& path, StepSpec* out) {
+          const bool direct = read_choice(v, path, {"cg", "direct"}) == "direct";
+          out->solver.linear = direct ? SolverSettings::Linear::kDirect : SolverSettings::Linear::kConjugateGradient;
+        });
+  t.integer("newton_iterations", [](StepSpec& s) -> int& { return s.solver.newton_iterations; }, 1, 1000,
+            "At most, per step.");
+  t.number("tolerance", "m/s^2", [](StepSpec& s) -> double& { return s.solver.tolerance; }, above(0, 100),
+           "RMS unbalanced acceleration at which Newton stops.");
+  t.number("linear_tolerance", "", [](StepSpec& s) -> double& { return s.solver.linear_tolerance; }, above(0, 0.5),
+           "Relative residual of one linear solve (cg).");
+  t.integer("linear_iterations", [](StepSpec& s) -> int& { return s.solver.linear_iterations; }, 1, 100000,
+            "At most, per linear solve (cg).");
+  return t;
+}
+
+Table<ClothMaterialSpec> cloth_material_table() {
+  using M = ClothMaterialSpec;
+  Table<M> t("bodies[].cloth.material", "Sheet material, as measured on the textile.");
+  t.number("areal_density", "kg/m^2", &M::areal_density, between(1e-4, 1000), "Mass per area.");
+  t.number("thickness", "m", &M::thickness, between(1e-6, 0.1), "With youngs_modulus it gives the membrane stiffness.");
+  t.number("youngs_modulus", "Pa", &M::youngs_modulus, between(1, 1e12), "In the plane, along warp and weft.");
+  t.number("poissons_ratio", "", &M::poissons_ratio, between(0, 0.5),
+           "Grids only: a triangle mesh of springs has 1/3, and refuses this key.");
+  t.optional_number("shear_stiffness", "N/m", &M::shear_stiffness, between(0, 1e9), "from poissons_ratio",
+                    "Stiffness of each shear spring (grids only); 0 = none.");
+  add_shared_material_keys(&t);
+  return t;
+}
+
+Table<RopeMaterialSpec> rope_material_table() {
+  using M = RopeMaterialSpec;
+  Table<M> t("bodies[].rope.material", "Rope material.");
+  t.number("linear_density", "kg/m", &M::linear_density, between(1e-6, 1000), "Mass per length.");
+  t.number("diameter", "m", &M::diameter, between(1e-5, 0.5), "Of the round cross-section.");
+  t.number("youngs_modulus", "Pa", &M::youngs_modulus, between(1, 1e12), "Along the rope.");
+  add_shared_material_keys(&t);
+  return t;
+}
+
+Table<BodySpec> cloth_table() {
+  Table<BodySpec> t("bodies[].cloth", "A sheet: a grid in the x-y plane of its pose, centred on it, or any triangle mesh.");
+  t.name("name", &BodySpec::name, "Unique; part of topic names.");
+  t.map("pose", &BodySpec::pose, pose_table(), "World from body. See pose.");
+  t.vector("size", "[x, y]", "m", &BodySpec::size, between(0.001, 100), "Edge lengths of a grid.");
+  t.add({"cells", "[nx, ny]", "", "[20, 20]", "1 ... 2000", "Cells of a grid along x and y: one node more each way."},
+        [](const YamlValue& v, const std::string& path, BodySpec* body) {
+          const std::vector<YamlValue>& items = read_list(v, path, "2 whole numbers");
+          if (items.size() != 2) refuse(v, path, "must be a list of 2 whole numbers, not of " + std::to_string(items.size()));
+          for (size_t k = 0; k < 2; ++k) body->cells[k] = read_integer(items[k], path + "[" + std::to_string(k) + "]", 1, 2000);
+        });
+  t.text("mesh", &BodySpec::mesh,
+         "OBJ, STL, PLY or DAE file instead of a grid: relative to the scene file, absolute, or "
+         "package://deformable_sim/... Polygons are cut into triangles; vertices at the same place are one node; nodes "
+         "are numbered as the faces first name them. Axes are taken as they stand in the file.");
+  t.number("mesh_scale", "m", &BodySpec::mesh_scale, between(1e-6, 1000),
+           "Metres per unit of the file (a DAE file's own unit is applied first).");
+  t.map("material", &BodySpec::cloth_material, cloth_material_table(), "See bodies[].cloth.material.");
+  t.add({"contact_points", "word", "", "nodes", "nodes, faces",
+         "What is held off colliders: nodes, or nodes and face centroids (for coarse cloth on small or sharp colliders)."},
+        [](const YamlValue& v, const std::string& path, BodySpec* body) {
+          body->contact_at_faces = read_choice(v, path, {"nodes", "faces"}) == "faces";
+        });
+  add_common_keys(&t);
+  t.at_most_one_of({"mesh", "cells"}).at_most_one_of({"mesh", "size"});
+  return t;
+}
+
+Table<BodySpec> rope_table() {
+  Table<BodySpec> t("bodies[].rope",
+                    "A chain along x of its pose, centred on it; closed: a regular polygon in its x-y plane.");
+  t.name("name", &BodySpec::name, "Unique; part of topic names.");
+  t.map("pose", &BodySpec::pose, pose_table(), "World from body. See pose.");
+  t.number("length", "m", &BodySpec::length, between(0.001, 1000), "Rest length; the perimeter of a loop.");
+  t.integer("segments", &BodySpec::segments, 1, 100000, "One node more than segments; as many when closed (at least 3).");
+  t.boolean("closed", &BodySpec::closed, "A loop.");
+  t.map("material", &BodySpec::rope_material, rope_material_table(), "See bodies[].rope.material.");
+  add_common_keys(&t);
+  return t;
+}
+
+std::vector<TaggedTable> collider_tables() {
+  using P = PrimitiveText;
+  const Range size = between(0.0001, 1000);
+  const auto start = [](const std::string& tag, const std::string& doc) {
+    Table<P> t("colliders[]." + tag, doc);
+    t.name("name", &P::name, "Unique among colliders.");
+    t.map("pose", &P::pose, pose_table(), "World from collider (from `frame`, when given). See pose.");
+    t.number("friction", "", &P::friction, kFriction, "Coulomb coefficient.");
+    t.text("frame", &P::frame, "tf frame the collider is attached to (ROS only); empty = fixed in the world.");
+    return t;
+  };
+  std::vector<TaggedTable> tables{{"box", start("box", "A box centred on its pose.")},
+                                  {"sphere", start("sphere", "A ball centred on its pose.")},
+                                  {"cylinder", start("cylinder", "A cylinder along z of its pose, centred on it.")},
+                                  {"capsule", start("capsule", "A cylinder with round ends along z of its pose, centred on it.")},
+                                  {"plane", start("plane", "A half-space: everything below z = 0 of its pose.")}};
+  tables[0].table.vector("size", "[x, y, z]", "m", &P::size, size, "Full edge lengths.").required();
+  for (size_t k : {1, 2, 3}) tables[k].table.number("radius", "m", &P::radius, size, "Radius.").required();
+  tables[2].table.number("length", "m", &P::length, size, "Length.").required();
+  tables[3].table.number("length", "m", &P::length, size, "Of the straight part.").required();
+  return tables;
+}
+
+Table<SelectText> select_table() {
+  using S = SelectText;
+  Table<S> t("grasps[].select", "Which nodes are grasped.");
+  t.text("feature", &S::feature, "A feature of the body: grid corner_0..3, edge_0..3, center; rope end_0, end_1, center; mesh center.");
+  t.add({"nodes", "list of integers", "", "", "nodes of the body", "Node numbers."},
+        [](const YamlValue& v, const std::string& path, S* out) {
+          for (const YamlValue& item : read_list(v, path, "node numbers")) {
+            const std::string at = path + "[" + std::to_string(out->nodes.size()) + "]";
+            out->nodes.push_back(read_integer(item, at, 0, kMaxNodes - 1));
+          }
+          if (out->nodes.empty()) refuse(v, path, "must name at least one node");
+        });
+  const auto position = [](std::optional<Vec3> S::*member) {
+    return [member](const YamlValue& v, const std::string& path, S* out) {
+      (out->*member).emplace();
+      read_vector(v, path, kCoordinate, (out->*member)->data(), 3);
+    };
+  };
+  t.add({"nearest", "[x, y, z]", "m", "", kCoordinate.text(), "The node nearest to this point of the world."}, position(&S::nearest));
+  t.number("reach", "m", &S::reach, above(0, 1000), "How far the nearest node may be.");
+  t.optional_number("radius", "m", &S::radius, above(0, 1000), "", "All nodes this near to `center`.");
+  t.vector("center", "[x, y, z]", "m", &S::center, kCoordinate, "Of the ball that `radius` gives.");
+  t.add({"box", "[x, y, z]", "m", "", "> 0, <= 1000", "All nodes in a box of these edge lengths, centred on `pose`."},
+        [](const YamlValue& v, const std::string& path, S* out) {
+          out->box.emplace();
+          read_vector(v, path, above(0, 1000), out->box->data(), 3);
+        });
+  t.map("pose", &S::pose, pose_table(), "Of the box. See pose.");
+  t.exactly_one_of({"feature", "nodes", "nearest", "radius", "box"});
+  return t;
+}
+
+Table<GraspText> grasp_table() {
+  using G = GraspText;
+  Table<G> t("grasps[]", "A grasp present from the start. Its nodes are attached rigidly, as they lie, to its frame.");
+  t.name("name", [](G& g) -> std::string& { return g.request.name; }, "Unique; part of topic names.");
+  t.text("body", [](G& g) -> std::string& { return g.request.body; }, "The body grasped.").required();
+  t.map("select", &G::select, select_table(), "Which nodes. See grasps[].select.").required();
+  t.add({"pose", "map", "", "centroid of the nodes", "", "World from grasp: the frame moves and torques refer to. See pose."},
+        [](const YamlValue& v, const std::string& path, G* out) { pose_table().read(v, path, &out->pose.emplace()); });
+  t.number("max_force", "N", [](G& g) -> double& { return g.request.max_force; }, between(0, 1e6),
+           "The grasp slips off beyond; 0 = holds always.");
+  t.number("max_speed", "m/s", [](G& g) -> double& { return g.request.max_speed; }, between(0, 100),
+           "Targets are approached no faster; 0 = grasp_max_speed.");
+  t.number("stiffness", "N/m", [](G& g) -> double& { return g.request.stiffness; }, between(0, 1e8),
+           "Of the attachment; 0 = rigid.");
+  t.text("follow_frame", [](G& g) -> std::string& { return g.request.follow_frame; },
+         "tf frame the grasp is rigidly attached to (ROS only).");
+  return t;
+}
+
+Table<RobotSpec> robot_table() {
+  Table<RobotSpec> t("robot", "Collide with the links of the ROS parameter robot_description, posed by tf (ROS only).");
+  t.add({"links", "list of names", "", "all", "", "Links with primitive collision shapes."},
+        [](const YamlValue& v, const std::string& path, RobotSpec* robot) {
+          for (const YamlValue& item : read_list(v, path, "link names")) {
+            robot->links.push_back(read_text(item, path + "[" + std::to_string(robot->links.size()) + "]"));
+          }
+        });
+  t.number("friction", "", &RobotSpec::friction, kFriction, "Coulomb coefficient of the links.");
+  return t;
+}
+
+Table<OutputSpec> output_table() {
+  Table<OutputSpec> t("outputs", "What is published, and how it looks (ROS only).");
+  t.number("rate_markers", "Hz", &OutputSpec::rate_markers, kRate, "0 = never.");
+  t.number("rate_points", "Hz", &OutputSpec::rate_points, kRate, "0 = never.");
+  t.number("rate_state", "Hz", &OutputSpec::rate_state, kRate, "0 = never.");
+  t.choice("color_by", &OutputSpec::color_by, {"body", "strain", "velocity", "contact"}, "What the colour shows.");
+  t.number("strain_range", "", &OutputSpec::strain_range, above(0, 10), "Strain shown as full colour.");
+  t.boolean("wireframe", &OutputSpec::wireframe, "Also draw the edges.");
+  return t;
+}
+
+Table<SceneSpec> scene_table(const SceneListReaders& lists) {
+  Table<SceneSpec> t("", "The file itself. Only `bodies` is required.");
+  t.text("title", &SceneSpec::title, "One line, shown by tools.");
+  t.vector("gravity", "[x, y, z]", "m/s^2", &SceneSpec::gravity, between(-1000, 1000), "Acceleration of free fall.");
+  t.map("air", &SceneSpec::air, air_table(), "See air.");
+  t.map("step", &SceneSpec::step, step_table(), "See step.");
+  t.number("grasp_max_speed", "m/s", &SceneSpec::grasp_max_speed, above(0, 100), "For grasps that name no max_speed.");
+  t.add({"bodies", "list", "", "", "at least one", "Each a map with one key: `- cloth: {...}` or `- rope: {...}`."}, lists.bodies)
+      .required();
+  t.add({"colliders", "list", "", "[]", "", "Each a map with one key: box, sphere, cylinder, capsule or plane."}, lists.colliders);
+  t.add({"grasps", "list", "", "[]", "", "Each a map. See grasps[]."}, lists.grasps);
+  t.add({"robot", "map", "", "no robot", "", "See robot. `robot: {}` takes all links."},
+        [](const YamlValue& v, const std::string& path, SceneSpec* scene) {
+          scene->robot.present = true;
+          robot_table().read(v, path, &scene->robot);
+        });
+  t.map("outputs", &SceneSpec::outputs, output_table(), "See outputs.");
+  return t;
+}
+
+}  // namespace deformable_sim

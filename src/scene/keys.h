@@ -1,0 +1,64 @@
+// The tables of all scene keys. Adding a key: a field in spec.h and one line in keys.cpp.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "deformable_sim/scene/spec.h"
+#include "schema.h"
+
+namespace deformable_sim {
+
+/// Flat text of a collider before it becomes a Collider with one Shape.
+struct PrimitiveText {
+  std::string name;
+  Vec3 size{0.1, 0.1, 0.1};
+  double radius = 0.1;
+  double length = 0.2;
+  PoseSpec pose;
+  double friction = 0.5;
+  std::string frame;
+};
+
+/// A grasp's `select` map as it stands in the file; exactly one of the first five is given.
+struct SelectText {
+  std::optional<std::string> feature;
+  std::vector<int> nodes;
+  std::optional<Vec3> nearest;
+  double reach = 0.02;
+  std::optional<double> radius;
+  Vec3 center = Vec3::Zero();
+  std::optional<Vec3> box;
+  PoseSpec pose;
+};
+
+struct GraspText {
+  GraspRequest request;
+  SelectText select;
+  std::optional<PoseSpec> pose;
+};
+
+struct TaggedTable {
+  std::string tag;
+  Table<PrimitiveText> table;
+};
+
+Table<PoseSpec> pose_table();
+Table<AirSpec> air_table();
+Table<StepSpec> step_table();
+Table<ClothMaterialSpec> cloth_material_table();
+Table<RopeMaterialSpec> rope_material_table();
+Table<BodySpec> cloth_table();
+Table<BodySpec> rope_table();
+std::vector<TaggedTable> collider_tables();
+Table<SelectText> select_table();
+Table<GraspText> grasp_table();
+Table<RobotSpec> robot_table();
+Table<OutputSpec> output_table();
+/// The whole scene; bodies, colliders and grasps are read by the loader, which passes its reader for each entry.
+struct SceneListReaders {
+  Table<SceneSpec>::Reader bodies, colliders, grasps;
+};
+Table<SceneSpec> scene_table(const SceneListReaders& lists);
+
+}  // namespace deformable_sim

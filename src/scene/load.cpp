@@ -1,0 +1,250 @@
+#include "deformable_sim/scene/load.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "features.h"
+#include "keys.h"
+
+namespace deformable_sim {
+namespace {
+
+Location location_of(const YamlValue& value) { return {value.origin, value.line}; }
+
+std::string indexed(const std::string& path, size_t k) { return path + "[" + std::to_string(k) + "]"; }
+
+std::string resolve_mesh(const std::string& mesh, const std::string& scene_file) {
+  const std::string scheme = "package://deformable_sim/";
+  if (mesh.compare(0, scheme.size(), scheme) == 0) return package_dir() + "/" + mesh.substr(scheme.size());
+  const std::filesystem::path path(mesh);
+  if (path.is_absolute()) return mesh;
+  return (std::filesystem::path(scene_file).parent_path() / path).lexically_normal().string();
+}
+
+/// Reads the lists of a scene: entries need their neighbours (unique names, bodies that grasps refer to).
+class SceneReader {
+ public:
+  explicit SceneReader(std::string scene_file) : scene_file_(std::move(scene_file)) {}
+
+  void read(const YamlValue& root, SceneSpec* scene) {
+    const SceneListReaders lists{
+        [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_bodies(v, path, out); },
+        [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_colliders(v, path, out); },
+        [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_grasps(v, path, out); }};
+    scene_table(lists).read(root, "", scene);
+  }
+
+ private:
+  void read_bodies(const YamlValue& list, const std::string& path, SceneSpec* scene) {
+    const std::vector<YamlValue>& items = read_list(list, path, "bodies");
+    if (items.empty()) refuse(list, path, "must hold at least one body: cloth or rope");
+    double nodes = 0.0;
+    for (size_t k = 0; k < items.size(); ++k) {
+      const YamlValue& entry = read_tagged(items[k], indexed(path, k), {"cloth", "rope"});
+      const std::string entry_path = indexed(path, k) + "." + entry.key;
+      BodySpec body;
+      body.where = location_of(items[k]);
+      body.kind = entry.key == "rope" ? BodyKind::kRope : BodyKind::kCloth;
+      (body.kind == BodyKind::kRope ? rope_table() : cloth_table()).read(entry, entry_path, &body);
+      check_unique(entry, entry_path, body.name, &body_names_);
+      check_body(entry, entry_path, body);
+      if (!body.pins.empty()) body.pins_where = location_of(*entry.find("pins"));
+      if (!body.mesh.empty()) body.mesh_where = location_of(*entry.find("mesh"));
+      nodes += body.kind == BodyKind::kRope ? body.segments + 1.0
+               : body.mesh.empty()          ? (body.cells[0] + 1.0) * (body.cells[1] + 1.0)
+                                            : 0.0;
+      if (nodes > kMaxNodes) {
+        refuse(entry, entry_path, format_number(nodes) + " nodes so far; at most " + std::to_string(kMaxNodes) +
+                                      " in a scene", Code::kOutOfRange);
+      }
+      if (!body.mesh.empty()) body.mesh = resolve_mesh(body.mesh, scene_file_);
+      scene->bodies.push_back(std::move(body));
+    }
+  }
+
+  void check_body(const YamlValue& entry, const std::string& path, const BodySpec& body) {
+    if (body.closed && body.segments < 3) {
+      refuse(*entry.find("closed"), path + ".closed", "a loop needs at least 3 segments");
+    }
+    const YamlValue* material = entry.find("material");
+    if (!body.mesh.empty() && material) {
+      for (const char* key : {"shear_stiffness", "poissons_ratio"}) {
+        const YamlValue* value = material->find(key);
+        if (value) refuse(*value, path + ".material." + key, "is for grids; a triangle mesh of springs has a ratio of 1/3");
+      }
+    }
+    const std::vector<std::string> features = feature_names(body);
+    for (size_t k = 0; k < body.pins.size(); ++k) {
+      const YamlValue& pin = entry.find("pins")->items[k];
+      check_feature(pin, indexed(path + ".pins", k), body.name, body.pins[k], features);
+      check_unique(pin, indexed(path + ".pins", k), "pin_" + body.name + "_" + body.pins[k], &grasp_names_);
+    }
+  }
+
+  static void check_feature(const YamlValue& value, const std::string& path, const std::string& body,
+                            const std::string& feature, const std::vector<std::string>& features) {
+    if (std::find(features.begin(), features.end(), feature) == features.end()) {
+      refuse(value, path, "'" + body + "' has no feature '" + feature + "'; it has " + join(features), Code::kNotFound);
+    }
+  }
+
+  /// `entry` is a named value whose `name` key, or which itself when it has none, gave `name`.
+  static void check_unique(const YamlValue& entry, const std::string& path, const std::string& name,
+                           std::map<std::string, std::string>* names) {
+    const YamlValue* key = entry.find("name");
+    const std::string key_path = key ? path + ".name" : path;
+    const auto added = names->emplace(name, key_path);
+    if (!added.second) {
+      refuse(key ? *key : entry, key_path, "'" + name + "' is taken by " + added.first->second, Code::kAlreadyExists);
+    }
+  }
+
+  void read_colliders(const YamlValue& list, const std::string& path, SceneSpec* scene) {
+    const std::vector<TaggedTable> tables = collider_tables();
+    std::vector<std::string> tags;
+    for (const TaggedTable& table : tables) tags.push_back(table.tag);
+    const std::vector<YamlValue>& items = read_list(list, path, "colliders");
+    for (size_t k = 0; k < items.size(); ++k) {
+      const YamlValue& entry = read_tagged(items[k], indexed(path, k), tags);
+      const std::string entry_path = indexed(path, k) + "." + entry.key;
+      const size_t type = static_cast<size_t>(std::find(tags.begin(), tags.end(), entry.key) - tags.begin());
+      PrimitiveText text;
+      tables[type].table.read(entry, entry_path, &text);
+      check_unique(entry, entry_path, text.name, &collider_names_);
+      scene->colliders.push_back({location_of(items[k]), collider_of(entry.key, text)});
+    }
+  }
+
+  static Collider collider_of(const std::string& tag, const PrimitiveText& text) {
+    static const std::map<std::string, Shape::Type> kTypes{{"box", Shape::Type::kBox},
+                                                           {"sphere", Shape::Type::kSphere},
+                                                           {"cylinder", Shape::Type::kCylinder},
+                                                           {"capsule", Shape::Type::kCapsule},
+                                                           {"plane", Shape::Type::kPlane}};
+    Shape shape;
+    shape.type = kTypes.at(tag);
+    switch (shape.type) {
+      case Shape::Type::kBox: shape.size = text.size; break;
+      case Shape::Type::kSphere: shape.size = {text.radius, 0, 0}; break;
+      case Shape::Type::kCylinder:
+      case Shape::Type::kCapsule: shape.size = {text.radius, text.length, 0}; break;
+      case Shape::Type::kPlane: shape.size.setZero(); break;
+    }
+    Collider collider;
+    collider.name = text.name;
+    collider.shapes = {shape};
+    collider.world_from_collider = text.pose.pose();
+    collider.friction = text.friction;
+    collider.frame = text.frame;
+    return collider;
+  }
+
+  void read_grasps(const YamlValue& list, const std::string& path, SceneSpec* scene) {
+    const std::vector<YamlValue>& items = read_list(list, path, "grasps");
+    const Table<GraspText> table = grasp_table();
+    for (size_t k = 0; k < items.size(); ++k) {
+      const std::string entry_path = indexed(path, k);
+      GraspText text;
+      table.read(items[k], entry_path, &text);
+      check_unique(items[k], entry_path, text.request.name, &grasp_names_);
+      check_selection(items[k], entry_path, text, *scene);
+      scene->grasps.push_back({location_of(*items[k].find("select")), request_of(text)});
+    }
+  }
+
+  static void check_selection(const YamlValue& entry, const std::string& path, const GraspText& text,
+                              const SceneSpec& scene) {
+    const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
+                                   [&text](const BodySpec& b) { return b.name == text.request.body; });
+    if (body == scene.bodies.end()) {
+      std::vector<std::string> names;
+      for (const BodySpec& b : scene.bodies) names.push_back(b.name);
+      refuse(*entry.find("body"), path + ".body", "no body '" + text.request.body + "'; there is " + join(names),
+             Code::kNotFound);
+    }
+    const YamlValue& select = *entry.find("select");
+    if (text.select.feature) {
+      check_feature(*select.find("feature"), path + ".select.feature", body->name, *text.select.feature,
+                    feature_names(*body));
+    }
+    const std::vector<std::pair<std::string, std::string>> belongs{
+        {"reach", "nearest"}, {"center", "radius"}, {"pose", "box"}};
+    for (const auto& [key, to] : belongs) {
+      const YamlValue* value = select.find(key);
+      if (value && !select.find(to)) refuse_key(*value, path + ".select." + key, "belongs to " + to);
+    }
+  }
+
+  static GraspRequest request_of(const GraspText& text) {
+    GraspRequest request = text.request;
+    Selection& selection = request.selection;
+    const SelectText& from = text.select;
+    if (from.feature) {
+      selection.method = SelectionMethod::kFeature;
+      selection.feature = *from.feature;
+    } else if (from.nearest) {
+      selection.method = SelectionMethod::kNearest;
+      selection.world_from_selection.translation() = *from.nearest;
+      selection.radius = from.reach;
+    } else if (from.radius) {
+      selection.method = SelectionMethod::kRadius;
+      selection.world_from_selection.translation() = from.center;
+      selection.radius = *from.radius;
+    } else if (from.box) {
+      selection.method = SelectionMethod::kBox;
+      selection.world_from_selection = from.pose.pose();
+      selection.size = *from.box;
+    } else {
+      selection.method = SelectionMethod::kNodes;
+      selection.nodes = from.nodes;
+    }
+    if (text.pose) {
+      request.has_frame = true;
+      request.world_from_grasp = text.pose->pose();
+    }
+    return request;
+  }
+
+  std::string scene_file_;
+  std::map<std::string, std::string> body_names_, collider_names_, grasp_names_;
+};
+
+}  // namespace
+
+Pose PoseSpec::pose() const {
+  Pose result = Pose::Identity();
+  result.linear() = orientation.toRotationMatrix();
+  result.translation() = position;
+  return result;
+}
+
+SceneSpec load_scene_text(const std::string& yaml, const std::string& origin, const std::vector<Override>& overrides) {
+  YamlValue root = parse_yaml(yaml, origin);
+  if (root.kind == YamlValue::Kind::kNull) {
+    throw InputError(origin + ":1: the scene is empty; it needs at least `bodies`");
+  }
+  for (const auto& [path, value] : overrides) override_value(path, value, &root);
+  SceneSpec scene;
+  SceneReader(origin).read(root, &scene);
+  return scene;
+}
+
+SceneSpec load_scene_file(const std::string& path, const std::vector<Override>& overrides) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw InputError(path + ": is a directory, not a scene file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw InputError(path + ": cannot be read", Code::kNotFound);
+  // One byte beyond the limit is enough to know; a device file never ends.
+  std::string text(kMaxSceneBytes + 1, '\0');
+  stream.read(&text[0], static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(stream.gcount()));
+  SceneSpec scene = load_scene_text(text, path, overrides);
+  scene.file = path;
+  return scene;
+}
+
+}  // namespace deformable_sim
