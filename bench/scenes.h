@@ -25,7 +25,7 @@ std::string hanging_sheet(int side, Accuracy accuracy, double damping);
 /// Square cotton sheet of 1 m, side x side nodes, dropped on a ball of radius 0.25 m.
 std::string sheet_on_sphere(int side);
 
-/// Rope of 1 m between two held ends 0.8 m apart.
+/// Rope of 1 m that starts level, held at one end, and swings down.
 std::string rope(int nodes);
 
 /// A world built from scene text; throws InputError.

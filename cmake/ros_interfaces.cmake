@@ -6,8 +6,8 @@ find_package(catkin REQUIRED COMPONENTS
   interactive_markers
   kdl_parser
   message_generation
-  rosgraph_msgs
   roscpp
+  rosgraph_msgs
   sensor_msgs
   shape_msgs
   std_msgs
@@ -48,7 +48,7 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${PROJECT_NAME}_core ${PROJECT_NAME}_scene ${PROJECT_NAME}_ros
   CATKIN_DEPENDS
-    diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers message_runtime rosgraph_msgs roscpp sensor_msgs
+    diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers message_runtime roscpp rosgraph_msgs sensor_msgs
     shape_msgs std_msgs std_srvs tf2_eigen tf2_msgs tf2_ros urdf visualization_msgs
   DEPENDS EIGEN3
 )

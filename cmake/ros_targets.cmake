@@ -2,12 +2,12 @@
 file(GLOB_RECURSE ROS_SOURCES CONFIGURE_DEPENDS src/ros/*.cpp)
 add_library(${PROJECT_NAME}_ros ${ROS_SOURCES})
 add_dependencies(${PROJECT_NAME}_ros ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
+#catkin_lint: ignore_once external_interface_path
 target_include_directories(${PROJECT_NAME}_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(${PROJECT_NAME}_ros PUBLIC ${PROJECT_NAME}_scene ${catkin_LIBRARIES})
 
 add_executable(sim_node src/sim_node.cpp)
 target_link_libraries(sim_node PRIVATE ${PROJECT_NAME}_ros)
-set(ROS_EXECUTABLES sim_node)
 
 # The example robot: uses the public ROS interface only, so it links nothing of this package.
 file(GLOB ROBOT_SOURCES CONFIGURE_DEPENDS src/robot/*.cpp)
@@ -15,17 +15,16 @@ add_executable(robot_demo ${ROBOT_SOURCES})
 add_dependencies(robot_demo ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 target_include_directories(robot_demo SYSTEM PRIVATE ${catkin_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
 target_link_libraries(robot_demo PRIVATE ${catkin_LIBRARIES} ${orocos_kdl_LIBRARIES} Eigen3::Eigen)
-list(APPEND ROS_EXECUTABLES robot_demo)
 
-install(TARGETS ${PROJECT_NAME}_core ${PROJECT_NAME}_scene ${PROJECT_NAME}_ros
+install(TARGETS ${PROJECT_NAME}_core ${PROJECT_NAME}_ros ${PROJECT_NAME}_scene
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION}
 )
-install(TARGETS ${ROS_EXECUTABLES} simulate RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(TARGETS robot_demo sim_node simulate RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 catkin_install_python(PROGRAMS scripts/demo DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
-install(DIRECTORY launch config urdf meshes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(DIRECTORY config launch meshes urdf DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
 if(CATKIN_ENABLE_TESTING)
   include(cmake/ros_tests.cmake)

@@ -52,7 +52,9 @@ struct Arguments {
 
 volatile std::sig_atomic_t g_interrupted = 0;
 
-void on_interrupt(int) { g_interrupted = 1; }
+void on_interrupt(int) {
+  g_interrupted = 1;
+}
 
 double read_seconds(const std::string& option, const std::string& text) {
   double value = 0.0;

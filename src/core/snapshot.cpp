@@ -20,7 +20,8 @@ Eigen::Matrix3Xf node_normals(const Body& body, const Nodes& x) {
   Nodes sum = Nodes::Zero(3, body.node_count);
   if (body.surface) {
     for (const auto& t : body.surface->triangles) {
-      const Vec3 a = x.col(body.first_node + t[0]), b = x.col(body.first_node + t[1]), c = x.col(body.first_node + t[2]);
+      const Vec3 a = x.col(body.first_node + t[0]), b = x.col(body.first_node + t[1]),
+                 c = x.col(body.first_node + t[2]);
       const Vec3 area = (b - a).cross(c - a);
       for (int node : t) sum.col(node) += area;
     }

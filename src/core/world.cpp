@@ -16,20 +16,33 @@ namespace {
 constexpr int kMaxHalvings = 6;
 constexpr double kFurthest = 1e6;         // m: beyond this a state counts as diverged
 constexpr double kGrossResidual = 100.0;  // m/s^2: an implicit step this far off is tried again in two parts
+constexpr double kDiverged = 1e6;         // m/s^2: such a step is no solution at all
 constexpr int kMaxWidenings = 4;
 
 void check_settings(const WorldSettings& s) {
   if (!std::isfinite(s.dt) || s.dt <= 0.0 || s.dt > 1.0) throw InputError("dt must be > 0 and at most 1 s");
-  if (!std::isfinite(s.grasp_max_speed) || s.grasp_max_speed <= 0.0) throw InputError("grasp_max_speed must be > 0 m/s");
+  if (!std::isfinite(s.grasp_max_speed) || s.grasp_max_speed <= 0.0)
+    throw InputError("grasp_max_speed must be > 0 m/s");
   if (!std::isfinite(s.collider_max_speed) || s.collider_max_speed <= 0.0)
     throw InputError("collider_max_speed must be > 0 m/s");
+}
+
+/// A contact between nodes couples them, whether a spring does or not.
+void add_contact_pairs(const Model& model, std::vector<std::array<int, 2>>* pairs) {
+  std::vector<ContactPoint> points;
+  for (size_t b = 0; b < model.bodies.size(); ++b)
+    if (model.bodies[b].contact_at_faces) add_between_points(model, static_cast<int>(b), &points);
+  for (const ContactPoint& p : points)
+    for (size_t i = 1; i < static_cast<size_t>(p.count); ++i)
+      for (size_t j = 0; j < i; ++j) pairs->push_back({p.node[i], p.node[j]});
 }
 
 void add(const StepReport& part, StepReport* sum) {
   sum->converged = sum->converged && part.converged;
   sum->newton_iterations += part.newton_iterations;
   sum->linear_iterations += part.linear_iterations;
-  sum->residual = std::max(sum->residual, part.residual);
+  // Not std::max, which loses a NaN.
+  if (!(part.residual <= sum->residual)) sum->residual = part.residual;
   sum->seconds_assembly += part.seconds_assembly;
   sum->seconds_solve += part.seconds_solve;
 }
@@ -56,6 +69,7 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
   if (integrator->needs().jacobian) {
     std::vector<std::array<int, 2>> pairs;
     for (const auto& e : model->energies) e->add_pattern(&pairs);
+    add_contact_pairs(*model, &pairs);
     pattern = BlockMatrix(model->node_count(), pairs);
     for (const auto& e : model->energies) e->bind(pattern);
     dynamics.pattern = &pattern;
@@ -70,7 +84,7 @@ void World::Parts::start() {
   report = StepReport();
   substeps = 1;
   max_penetration = 0.0;
-  warnings.clear();
+  failure.clear();
   cost = last_cost = CostWindow();
   grasps = GraspSet(model.get(), settings.grasp_max_speed);
   colliders = ColliderSet(settings.collider_max_speed);
@@ -120,8 +134,8 @@ void World::Parts::restore_last_good() {
 }
 
 bool World::Parts::state_is_sane() const {
-  // Written so that a NaN fails it.
-  return state.finite() && !(state.x.cwiseAbs().maxCoeff() > kFurthest);
+  // An implicit step whose forces are not numbers leaves a finite state and a residual that is none.
+  return state.finite() && report.residual <= kDiverged && state.x.cwiseAbs().maxCoeff() <= kFurthest;
 }
 
 void World::Parts::integrate(double h) {
@@ -177,23 +191,6 @@ bool World::Parts::try_step(int parts) {
   return true;
 }
 
-void World::Parts::add_warnings() {
-  warnings.clear();
-  char text[200];
-  if (std::isfinite(stable_dt) && substeps > 1) {
-    std::snprintf(text, sizeof text, "%s takes %d substeps of %.3g s to stay stable; implicit_euler does not need them",
-                  integrator->name().c_str(), substeps, settings.dt / substeps);
-    warnings.emplace_back(text);
-  }
-  if (integrator->stability_limit() == 0.0)
-    warnings.push_back(integrator->name() + " is unstable at any step unless damped; use symplectic_euler or implicit_euler");
-  if (!report.converged && !std::isfinite(stable_dt)) {
-    std::snprintf(text, sizeof text, "the implicit step did not converge: RMS unbalanced acceleration %.3g m/s^2, tolerance %.3g",
-                  report.residual, settings.solver.tolerance);
-    warnings.emplace_back(text);
-  }
-}
-
 World::World(std::shared_ptr<const Model> model, WorldSettings settings, std::vector<Collider> colliders,
              std::vector<GraspRequest> grasps)
     : parts_(std::make_unique<Parts>(std::move(model), std::move(settings), std::move(colliders), std::move(grasps))) {}
@@ -218,13 +215,14 @@ StepOutcome World::step() {
 
   StepOutcome outcome;
   outcome.report = w.report;
-  w.add_warnings();
+  w.failure.clear();
   if (!ok) {
     w.restore_last_good();
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "no finite state at t = %.6g s, even with steps of %.3g s: forces too stiff for %s, or an impossible command",
-                  w.state.time + w.settings.dt, w.settings.dt / w.substeps, w.integrator->name().c_str());
+    std::snprintf(
+        text, sizeof text,
+        "no finite state at t = %.6g s, even with steps of %.3g s: forces too stiff for %s, or an impossible command",
+        w.state.time + w.settings.dt, w.settings.dt / w.substeps, w.integrator->name().c_str());
     outcome.ok = false;
     outcome.message = text;
     // Nothing of the failed attempt is reported: its forces need not be finite.
@@ -232,7 +230,7 @@ StepOutcome World::step() {
     w.report.converged = false;
     w.grasps.clear_wrenches();
     w.dynamics.contacts.clear();
-    w.warnings.assign(1, text);
+    w.failure = text;
     return outcome;
   }
   // From the count, so that a stamp does not carry the rounding of all steps before it.
@@ -247,11 +245,23 @@ StepOutcome World::step() {
   return outcome;
 }
 
-double World::time() const { return parts_->state.time; }
-std::uint64_t World::step_count() const { return parts_->step_count; }
-const State& World::state() const { return parts_->state; }
-const Model& World::model() const { return *parts_->model; }
-std::shared_ptr<const Model> World::shared_model() const { return parts_->model; }
-const WorldSettings& World::settings() const { return parts_->settings; }
+double World::time() const {
+  return parts_->state.time;
+}
+std::uint64_t World::step_count() const {
+  return parts_->step_count;
+}
+const State& World::state() const {
+  return parts_->state;
+}
+const Model& World::model() const {
+  return *parts_->model;
+}
+std::shared_ptr<const Model> World::shared_model() const {
+  return parts_->model;
+}
+const WorldSettings& World::settings() const {
+  return parts_->settings;
+}
 
 }  // namespace deformable_sim

@@ -46,7 +46,10 @@ Reply World::apply(const Command& any) {
     }
     void operator()(const command::SetGraspWaiting& c) { w.grasps.set_waiting(c.name, c.waiting); }
     void operator()(const command::Release& c) {
-      if (c.name.empty() && w.grasps.empty()) reply.note = "there is no grasp to release";
+      if (c.name.empty() && w.grasps.empty()) {
+        reply.note = "there is no grasp to release";
+        return;
+      }
       w.grasps.release(c.name);
       w.held_nodes_changed();
     }

@@ -35,7 +35,7 @@ struct World::Parts {
   State state;
   std::uint64_t step_count = 0;
   std::unique_ptr<Integrator> integrator;
-  BlockMatrix pattern;                      // empty for schemes without a Jacobian
+  BlockMatrix pattern;  // empty for schemes without a Jacobian
   Dynamics dynamics;
   GraspSet grasps;
   ColliderSet colliders;
@@ -47,7 +47,7 @@ struct World::Parts {
   StepReport report;
   int substeps = 1;
   double max_penetration = 0.0;
-  std::vector<std::string> warnings;
+  std::string failure;  // why the last step could not be made
   CostWindow cost, last_cost;
 
   // Largest stable step of an explicit scheme, s, and how many steps ago it was measured; infinite for implicit ones.
@@ -74,9 +74,9 @@ struct World::Parts {
   void integrate_with_contacts(double h);
   void integrate(double h);
   bool state_is_sane() const;
-  void add_warnings();
-
+  /// Parts that this step needs: 1, or more for an explicit scheme past its stability limit.
   int wanted_parts();
+  std::vector<std::string> warnings() const;
 };
 
 /// Thread CPU time, s.

@@ -1,7 +1,7 @@
 // What a World says about itself: snapshot and bill.
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdio>
 
 #include "world_parts.h"
 
@@ -32,6 +32,21 @@ BodyReport report_of(const Model& model, const Body& body, const State& s) {
   return r;
 }
 
+/// Contacts that carry a force, per body, and their share at each node.
+void count_contacts(const Model& model, const ContactConstraints& contacts, Snapshot* s) {
+  Nodes force;
+  for (const ContactConstraint& c : contacts) {
+    if (c.force.isZero(0.0)) continue;
+    if (force.cols() == 0) force = Nodes::Zero(3, model.node_count());
+    for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) force.col(c.node[k]) += c.weight[k] * c.force;
+    for (size_t b = 0; b < model.bodies.size(); ++b) {
+      const Body& body = model.bodies[b];
+      if (c.node[0] >= body.first_node && c.node[0] < body.first_node + body.node_count) ++s->bodies[b].contacts;
+    }
+  }
+  s->contact_force = force.colwise().norm().transpose().cast<float>();
+}
+
 /// CPU seconds of one evaluation of a term's force, to divide the measured cost of assembly between the terms.
 double force_seconds(const Energy& energy, const State& s, Nodes* work) {
   const double start = cpu_seconds();
@@ -48,6 +63,28 @@ std::string counted(const Energy& energy) {
 
 }  // namespace
 
+std::vector<std::string> World::Parts::warnings() const {
+  std::vector<std::string> warnings;
+  char text[200];
+  if (std::isfinite(stable_dt) && substeps > 1) {
+    std::snprintf(text, sizeof text, "%s takes %d substeps of %.3g s to stay stable; implicit_euler does not need them",
+                  integrator->name().c_str(), substeps, settings.dt / substeps);
+    warnings.emplace_back(text);
+  }
+  if (integrator->stability_limit() == 0.0)
+    warnings.push_back(integrator->name() +
+                       " is unstable at any step unless damped; use symplectic_euler or implicit_euler");
+  if (!failure.empty()) {
+    warnings.push_back(failure);
+  } else if (!report.converged) {
+    std::snprintf(text, sizeof text,
+                  "the step did not converge: RMS unbalanced acceleration %.3g m/s^2, tolerance %.3g m/s^2",
+                  report.residual, settings.solver.tolerance);
+    warnings.emplace_back(text);
+  }
+  return warnings;
+}
+
 Snapshot World::snapshot() const {
   const Parts& w = *parts_;
   Snapshot s;
@@ -61,13 +98,7 @@ Snapshot World::snapshot() const {
     const int body = body_of(*w.model, *e);
     if (body >= 0) s.bodies[static_cast<size_t>(body)].elastic_energy += e->value(w.state);
   }
-  for (const ContactConstraint& c : w.dynamics.contacts) {
-    if (c.force.isZero(0.0)) continue;
-    for (size_t b = 0; b < w.model->bodies.size(); ++b) {
-      const Body& body = w.model->bodies[b];
-      if (c.node[0] >= body.first_node && c.node[0] < body.first_node + body.node_count) ++s.bodies[b].contacts;
-    }
-  }
+  count_contacts(*w.model, w.dynamics.contacts, &s);
   s.grasps = w.grasps.reports();
   s.colliders = w.colliders.colliders();
   s.report = w.report;
@@ -75,7 +106,7 @@ Snapshot World::snapshot() const {
   s.dt = w.settings.dt;
   s.substeps = w.substeps;
   s.max_penetration = w.max_penetration;
-  s.warnings = w.warnings;
+  s.warnings = w.warnings();
 
   const CostWindow& cost = w.last_cost.steps > 0 ? w.last_cost : w.cost;
   if (cost.steps == 0) return s;
@@ -116,8 +147,8 @@ std::vector<BillItem> World::bill() const {
                   std::max(0.0, cost.integrate - cost.assembly - cost.solve) / total});
   if (w.contacts)
     bill.push_back({"contact",
-                    std::to_string(w.contacts->point_count()) + " points, " + std::to_string(w.contacts->shape_count()) +
-                        " shapes",
+                    std::to_string(w.contacts->point_count()) + " points, " +
+                        std::to_string(w.contacts->shape_count()) + " shapes",
                     cost.contact / total});
   if (!w.grasps.empty())
     bill.push_back({"grasps", std::to_string(w.grasps.held_count()) + " nodes", cost.grasps / total});

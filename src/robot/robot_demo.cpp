@@ -8,6 +8,7 @@
 //   robot_demo --check   only says whether the robot can do it
 //
 // Exit codes: 0 done, 1 the simulation refused or did not answer, 2 the motion or the robot was refused.
+#include <algorithm>
 #include <iostream>
 
 #include <kdl_parser/kdl_parser.hpp>
@@ -28,7 +29,7 @@ constexpr double kGraspPause = 0.5;     // s, between attempts
 
 class Demo {
  public:
-  Demo(const Motion& motion, const Plan& plan) : motion_(motion), plan_(plan), private_("~"), rate_(kRate) {
+  Demo(const Motion& motion, const Plan& plan) : motion_(motion), plan_(plan), private_("~") {
     const std::string simulation = private_.param<std::string>("simulation", "deformable_sim");
     deadline_ = private_.param("timeout", 30.0);
     joint_states_ = node_.advertise<sensor_msgs::JointState>("joint_states", 10);
@@ -40,18 +41,24 @@ class Demo {
   /// True when the motion was played to its end.
   bool run() {
     if (!wait_for_simulation()) return false;
-    size_t step = 0;
-    for (size_t sample = 0; sample < plan_.positions.size() && ros::ok(); ++sample) {
-      show(sample);
-      for (; step < motion_.steps.size() && plan_.step_end[step] == sample; ++step) {
-        if (!arrive(motion_.steps[step], sample)) return false;
+    size_t sample = 0;
+    for (size_t i = 0; i < motion_.steps.size(); ++i) {
+      // From where the last step ended: what grasping took is not made up for by moving faster.
+      const ros::Time start = ros::Time::now();
+      const size_t begin = sample;
+      while (sample < plan_.step_end[i]) {
+        wait_a_sample();
+        if (!ros::ok()) return false;
+        const double elapsed = (ros::Time::now() - start).toSec();
+        sample = std::min(begin + static_cast<size_t>(std::max(0.0, elapsed) * kRate), plan_.step_end[i]);
+        show(sample);
       }
+      if (!arrive(motion_.steps[i], sample)) return false;
     }
     return ros::ok();
   }
 
  private:
-  /// Publishes one sample and waits until the next one is due.
   void show(size_t sample) {
     sensor_msgs::JointState message;
     message.header.stamp = ros::Time::now();
@@ -59,8 +66,10 @@ class Demo {
     message.position = plan_.positions[sample];
     joint_states_.publish(message);
     ros::spinOnce();
-    rate_.sleep();
   }
+
+  /// One sample of ROS time, which may be simulated.
+  void wait_a_sample() { ros::Duration(1.0 / kRate).sleep(); }
 
   bool wait_for_simulation() {
     // Wall time: without the simulation there may be no clock. The robot is shown where it starts.
@@ -68,12 +77,7 @@ class Demo {
     const bool wait_for_listener = private_.param("wait_for_listener", false);
     while (ros::ok() && ros::WallTime::now() < end) {
       if (grasp_.exists() && release_.exists() && (!wait_for_listener || phase_.getNumSubscribers() > 0)) return true;
-      sensor_msgs::JointState message;
-      message.header.stamp = ros::Time::now();
-      message.name = plan_.joint_names;
-      message.position = plan_.positions.front();
-      joint_states_.publish(message);
-      ros::spinOnce();
+      show(0);
       ros::WallDuration(1.0 / kRate).sleep();
     }
     if (ros::ok()) {
@@ -115,7 +119,10 @@ class Demo {
       }
       ROS_WARN("Grasp '%s' refused (attempt %d of %d): %s", request.name.c_str(), attempt, kGraspAttempts,
                call.response.status.message.c_str());
-      for (int k = 0; k < kGraspPause * kRate && ros::ok(); ++k) show(sample);
+      for (int k = 0; k < kGraspPause * kRate && ros::ok(); ++k) {
+        wait_a_sample();
+        show(sample);
+      }
     }
     if (ros::ok()) {
       ROS_ERROR("Giving up: grasp '%s' was refused; letting go of everything", request.name.c_str());
@@ -140,7 +147,6 @@ class Demo {
   const Motion& motion_;
   const Plan& plan_;
   ros::NodeHandle node_, private_;
-  ros::Rate rate_;
   double deadline_ = 0;  // s
   ros::Publisher joint_states_, phase_;
   ros::ServiceClient grasp_, release_;

@@ -69,4 +69,8 @@ std::optional<FramePose> Frames::latest(const std::string& frame) const {
   }
 }
 
+void Frames::forget() {
+  if (listening_) listener_->buffer.clear();
+}
+
 }  // namespace deformable_sim

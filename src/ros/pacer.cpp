@@ -37,8 +37,9 @@ double Pacer::seconds_until_due(double t) {
   last_now_ = time;
   const double wait = (epoch_ + seconds(t) - time).toSec();
   if (wait < -kMostBacklog) {
-    epoch_ += seconds(-wait);
-    given_up_ -= wait;
+    const double excess = -wait - kMostBacklog;
+    epoch_ += seconds(excess);
+    given_up_ += excess;
   }
   const bool external = ros::Time::isSimTime() && !publishes_clock_;
   return external && wait > 0.0 ? kClockPoll : std::min(wait, kLongestWait);

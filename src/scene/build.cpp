@@ -66,9 +66,8 @@ void add_network(const SpringNetwork& network, const Nodes& rest, const Pose& wo
 
 void add_cloth(const BodySpec& spec, Body* body, Parts* parts) {
   const ClothMaterialSpec& material = spec.cloth_material;
-  const TriangleMesh mesh = spec.mesh.empty()
-                                ? make_grid(spec.size[0], spec.size[1], spec.cells[0], spec.cells[1])
-                                : load_mesh(spec.mesh, spec.mesh_scale);
+  const TriangleMesh mesh = spec.mesh.empty() ? make_grid(spec.size[0], spec.size[1], spec.cells[0], spec.cells[1])
+                                              : load_mesh(spec.mesh, spec.mesh_scale);
   SheetStiffness stiffness;
   stiffness.membrane = material.youngs_modulus * material.thickness;
   stiffness.poissons_ratio = material.poissons_ratio;
@@ -79,8 +78,8 @@ void add_cloth(const BodySpec& spec, Body* body, Parts* parts) {
   for (const std::array<int, 3>& t : mesh.triangles) {
     parts->triangles.push_back({t[0] + body->first_node, t[1] + body->first_node, t[2] + body->first_node});
   }
-  add_network(sheet_network(mesh, stiffness), mesh.rest, spec.pose.pose(),
-              sheet_masses(mesh, material.areal_density), body, parts);
+  add_network(sheet_network(mesh, stiffness), mesh.rest, spec.pose.pose(), sheet_masses(mesh, material.areal_density),
+              body, parts);
   body->contact_at_faces = spec.contact_at_faces;
   body->contact_radius = spec.contact_radius.value_or(std::max(0.5 * material.thickness, kMinContactRadius));
   body->features = sheet_features(mesh);
@@ -180,8 +179,10 @@ void check_grasps(const std::vector<PlacedGrasp>& grasps, const Model& model) {
     for (const int node : nodes) {
       const auto holder = taken.find(body.first_node + node);
       if (holder != taken.end()) {
-        refuse_at(grasp.where, who + "node " + std::to_string(node) + " of '" + body.name + "' is already held by '" +
-                                   holder->second + "'", Code::kUnavailable);
+        refuse_at(grasp.where,
+                  who + "node " + std::to_string(node) + " of '" + body.name + "' is already held by '" +
+                      holder->second + "'",
+                  Code::kUnavailable);
       }
       // A soft grasp pulls; it does not keep others from taking the node.
       if (grasp.request.stiffness == 0.0) taken[body.first_node + node] = grasp.request.name;
@@ -211,8 +212,10 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
       refuse_at(mesh ? from.mesh_where : from.where, path + ": " + error.what(), error.code());
     }
     if (parts.node_count > kMaxNodes) {
-      refuse_at(from.where, "bodies: " + std::to_string(parts.node_count) + " nodes so far; at most " +
-                                std::to_string(kMaxNodes) + " in a scene", Code::kOutOfRange);
+      refuse_at(from.where,
+                "bodies: " + std::to_string(parts.node_count) + " nodes so far; at most " + std::to_string(kMaxNodes) +
+                    " in a scene",
+                Code::kOutOfRange);
     }
     model->bodies.push_back(std::move(body));
   }

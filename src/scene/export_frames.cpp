@@ -11,9 +11,12 @@ namespace {
 
 const char* extension(FrameFormat format) {
   switch (format) {
-    case FrameFormat::kCsv: return ".csv";
-    case FrameFormat::kPly: return ".ply";
-    case FrameFormat::kObj: return ".obj";
+    case FrameFormat::kCsv:
+      return ".csv";
+    case FrameFormat::kPly:
+      return ".ply";
+    case FrameFormat::kObj:
+      return ".obj";
   }
   return "";
 }
@@ -37,9 +40,11 @@ std::string ply(const Body& body, const Nodes& x, const Nodes& v) {
   std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(body.node_count) + "\n";
   for (const char* name : {"x", "y", "z", "vx", "vy", "vz"}) text += std::string("property double ") + name + "\n";
   if (body.surface) {
-    text += "element face " + std::to_string(body.surface->triangles.size()) + "\nproperty list uchar int vertex_indices\n";
+    text +=
+        "element face " + std::to_string(body.surface->triangles.size()) + "\nproperty list uchar int vertex_indices\n";
   } else {
-    text += "element edge " + std::to_string(body.line->segment_count()) + "\nproperty int vertex1\nproperty int vertex2\n";
+    text +=
+        "element edge " + std::to_string(body.line->segment_count()) + "\nproperty int vertex1\nproperty int vertex2\n";
   }
   text += "end_header\n";
   for (int i = 0; i < body.node_count; ++i) {
@@ -87,9 +92,12 @@ FrameFormat frame_format(const std::string& name) {
 
 std::string frame_text(const Body& body, const Nodes& x, const Nodes& v, FrameFormat format) {
   switch (format) {
-    case FrameFormat::kCsv: return csv(body, x, v);
-    case FrameFormat::kPly: return ply(body, x, v);
-    case FrameFormat::kObj: return obj(body, x, v);
+    case FrameFormat::kCsv:
+      return csv(body, x, v);
+    case FrameFormat::kPly:
+      return ply(body, x, v);
+    case FrameFormat::kObj:
+      return obj(body, x, v);
   }
   return "";
 }

@@ -42,10 +42,11 @@ void add_common_keys(Table<BodySpec>* table) {
                          "half the thickness or diameter, at least " + format_number(kMinContactRadius),
                          "Distance kept between the body's nodes and collider surfaces.");
   table->add({"color", "[r, g, b]", "", "by order", "0 ... 1", "Colour in rviz."}, read_color);
-  table->add({"pins", "list of features", "", "[]", "features of the body",
-              "Features held where they start: each becomes a rigid grasp named pin_BODY_FEATURE, which can be moved and "
-              "released like any other."},
-             read_pins);
+  table->add(
+      {"pins", "list of features", "", "[]", "features of the body",
+       "Features held where they start: each becomes a rigid grasp named pin_BODY_FEATURE, which can be moved and "
+       "released like any other."},
+      read_pins);
 }
 
 template <class T>
@@ -54,8 +55,7 @@ Table<T>& add_shared_material_keys(Table<T>* table) {
                          "Stiffness of each structural spring; replaces youngs_modulus and depends on the mesh.");
   table->optional_number("bend_stiffness", "N/m", &T::bend_stiffness, between(0, 1e9), "from the material",
                          "Stiffness of each bend spring (over two cells or segments, or across an edge); 0 = none.");
-  table->number("damping", "s", &T::damping, between(0, 1),
-                "Viscous coefficient of each spring over its stiffness.");
+  table->number("damping", "s", &T::damping, between(0, 1), "Viscous coefficient of each spring over its stiffness.");
   return *table;
 }
 
@@ -64,15 +64,18 @@ Table<T>& add_shared_material_keys(Table<T>* table) {
 Table<PoseSpec> pose_table() {
   Table<PoseSpec> t("pose", "Rigid placement in the world (of a body, a collider, a selection or a grasp).");
   t.vector("position", "[x, y, z]", "m", &PoseSpec::position, kCoordinate, "Origin.");
-  t.add({"rpy", "[roll, pitch, yaw]", "rad", "[0, 0, 0]", "-100 ... 100", "Rotation about the fixed axes x, y, z, in this order."},
+  t.add({"rpy", "[roll, pitch, yaw]", "rad", "[0, 0, 0]", "-100 ... 100",
+         "Rotation about the fixed axes x, y, z, in this order."},
         read_rotation);
-  t.add({"orientation", "[x, y, z, w]", "", "[0, 0, 0, 1]", "unit length", "The same as a quaternion."}, read_quaternion);
+  t.add({"orientation", "[x, y, z, w]", "", "[0, 0, 0, 1]", "unit length", "The same as a quaternion."},
+        read_quaternion);
   t.at_most_one_of({"rpy", "orientation"});
   return t;
 }
 
 Table<AirSpec> air_table() {
-  Table<AirSpec> t("air", "Air around the bodies. Without drag_coefficient and damping there is no aerodynamic force at all.");
+  Table<AirSpec> t("air",
+                   "Air around the bodies. Without drag_coefficient and damping there is no aerodynamic force at all.");
   t.number("density", "kg/m^3", &AirSpec::density, between(0, 2000), "Of the air (or water: 1000).");
   t.number("drag_coefficient", "", &AirSpec::drag_coefficient, between(0, 10),
            "Of a flat plate in normal flow (cloth), of a cylinder in cross flow (rope); 0 = none.");
@@ -80,7 +83,8 @@ Table<AirSpec> air_table() {
   t.number("gust_amplitude", "", &AirSpec::gust_amplitude, between(0, 1),
            "The wind is scaled by 1 + gust_amplitude sin(2 pi gust_frequency time).");
   t.number("gust_frequency", "Hz", &AirSpec::gust_frequency, between(0, 100), "See gust_amplitude.");
-  t.number("damping", "1/s", &AirSpec::damping, between(0, 1000), "Linear drag per unit mass, the same for every node.");
+  t.number("damping", "1/s", &AirSpec::damping, between(0, 1000),
+           "Linear drag per unit mass, the same for every node.");
   return t;
 }
 
@@ -88,19 +92,24 @@ Table<StepSpec> step_table() {
   Table<StepSpec> t("step", "Time stepping. The last five keys are for implicit schemes.");
   t.number("dt", "s", &StepSpec::dt, between(1e-6, 0.1), "One step of simulated time.");
   t.choice("integrator", &StepSpec::integrator, integrator_names(), "Time scheme.");
-  t.add({"linear_solver", "word", "", "cg", "cg, direct", "Preconditioned conjugate gradient, or sparse factorisation."},
-        [](const YamlValue& v, const std::string& path, StepSpec* out) {
-          const bool direct = read_choice(v, path, {"cg", "direct"}) == "direct";
-          out->solver.linear = direct ? SolverSettings::Linear::kDirect : SolverSettings::Linear::kConjugateGradient;
-        });
-  t.integer("newton_iterations", [](StepSpec& s) -> int& { return s.solver.newton_iterations; }, 1, 1000,
-            "At most, per step.");
-  t.number("tolerance", "m/s^2", [](StepSpec& s) -> double& { return s.solver.tolerance; }, above(0, 100),
-           "RMS unbalanced acceleration at which Newton stops.");
-  t.number("linear_tolerance", "", [](StepSpec& s) -> double& { return s.solver.linear_tolerance; }, above(0, 0.5),
-           "Relative residual of one linear solve (cg).");
-  t.integer("linear_iterations", [](StepSpec& s) -> int& { return s.solver.linear_iterations; }, 1, 100000,
-            "At most, per linear solve (cg).");
+  t.add(
+      {"linear_solver", "word", "", "cg", "cg, direct", "Preconditioned conjugate gradient, or sparse factorisation."},
+      [](const YamlValue& v, const std::string& path, StepSpec* out) {
+        const bool direct = read_choice(v, path, {"cg", "direct"}) == "direct";
+        out->solver.linear = direct ? SolverSettings::Linear::kDirect : SolverSettings::Linear::kConjugateGradient;
+      });
+  t.integer(
+      "newton_iterations", [](StepSpec& s) -> int& { return s.solver.newton_iterations; }, 1, 1000,
+      "At most, per step.");
+  t.number(
+      "tolerance", "m/s^2", [](StepSpec& s) -> double& { return s.solver.tolerance; }, above(0, 100),
+      "RMS unbalanced acceleration at which Newton stops.");
+  t.number(
+      "linear_tolerance", "", [](StepSpec& s) -> double& { return s.solver.linear_tolerance; }, above(0, 0.5),
+      "Relative residual of one linear solve (cg).");
+  t.integer(
+      "linear_iterations", [](StepSpec& s) -> int& { return s.solver.linear_iterations; }, 1, 100000,
+      "At most, per linear solve (cg).");
   return t;
 }
 
@@ -129,15 +138,18 @@ Table<RopeMaterialSpec> rope_material_table() {
 }
 
 Table<BodySpec> cloth_table() {
-  Table<BodySpec> t("bodies[].cloth", "A sheet: a grid in the x-y plane of its pose, centred on it, or any triangle mesh.");
+  Table<BodySpec> t("bodies[].cloth",
+                    "A sheet: a grid in the x-y plane of its pose, centred on it, or any triangle mesh.");
   t.name("name", &BodySpec::name, "Unique; part of topic names.");
   t.map("pose", &BodySpec::pose, pose_table(), "World from body. See pose.");
   t.vector("size", "[x, y]", "m", &BodySpec::size, between(0.001, 100), "Edge lengths of a grid.");
   t.add({"cells", "[nx, ny]", "", "[20, 20]", "1 ... 2000", "Cells of a grid along x and y: one node more each way."},
         [](const YamlValue& v, const std::string& path, BodySpec* body) {
           const std::vector<YamlValue>& items = read_list(v, path, "2 whole numbers");
-          if (items.size() != 2) refuse(v, path, "must be a list of 2 whole numbers, not of " + std::to_string(items.size()));
-          for (size_t k = 0; k < 2; ++k) body->cells[k] = read_integer(items[k], path + "[" + std::to_string(k) + "]", 1, 2000);
+          if (items.size() != 2)
+            refuse(v, path, "must be a list of 2 whole numbers, not of " + std::to_string(items.size()));
+          for (size_t k = 0; k < 2; ++k)
+            body->cells[k] = read_integer(items[k], path + "[" + std::to_string(k) + "]", 1, 2000);
         });
   t.text("mesh", &BodySpec::mesh,
          "OBJ, STL, PLY or DAE file instead of a grid: relative to the scene file, absolute, or "
@@ -147,7 +159,8 @@ Table<BodySpec> cloth_table() {
            "Metres per unit of the file (a DAE file's own unit is applied first).");
   t.map("material", &BodySpec::cloth_material, cloth_material_table(), "See bodies[].cloth.material.");
   t.add({"contact_points", "word", "", "nodes", "nodes, faces",
-         "What is held off colliders: nodes, or nodes and face centroids (for coarse cloth on small or sharp colliders)."},
+         "What is held off colliders: nodes, or nodes and face centroids (for coarse cloth on small or sharp "
+         "colliders)."},
         [](const YamlValue& v, const std::string& path, BodySpec* body) {
           body->contact_at_faces = read_choice(v, path, {"nodes", "faces"}) == "faces";
         });
@@ -162,7 +175,8 @@ Table<BodySpec> rope_table() {
   t.name("name", &BodySpec::name, "Unique; part of topic names.");
   t.map("pose", &BodySpec::pose, pose_table(), "World from body. See pose.");
   t.number("length", "m", &BodySpec::length, between(0.001, 1000), "Rest length; the perimeter of a loop.");
-  t.integer("segments", &BodySpec::segments, 1, 100000, "One node more than segments; as many when closed (at least 3).");
+  t.integer("segments", &BodySpec::segments, 1, 100000,
+            "One node more than segments; as many when closed (at least 3).");
   t.boolean("closed", &BodySpec::closed, "A loop.");
   t.map("material", &BodySpec::rope_material, rope_material_table(), "See bodies[].rope.material.");
   add_common_keys(&t);
@@ -180,11 +194,12 @@ std::vector<TaggedTable> collider_tables() {
     t.text("frame", &P::frame, "tf frame the collider is attached to (ROS only); empty = fixed in the world.");
     return t;
   };
-  std::vector<TaggedTable> tables{{"box", start("box", "A box centred on its pose.")},
-                                  {"sphere", start("sphere", "A ball centred on its pose.")},
-                                  {"cylinder", start("cylinder", "A cylinder along z of its pose, centred on it.")},
-                                  {"capsule", start("capsule", "A cylinder with round ends along z of its pose, centred on it.")},
-                                  {"plane", start("plane", "A half-space: everything below z = 0 of its pose.")}};
+  std::vector<TaggedTable> tables{
+      {"box", start("box", "A box centred on its pose.")},
+      {"sphere", start("sphere", "A ball centred on its pose.")},
+      {"cylinder", start("cylinder", "A cylinder along z of its pose, centred on it.")},
+      {"capsule", start("capsule", "A cylinder with round ends along z of its pose, centred on it.")},
+      {"plane", start("plane", "A half-space: everything below z = 0 of its pose.")}};
   tables[0].table.vector("size", "[x, y, z]", "m", &P::size, size, "Full edge lengths.").required();
   for (size_t k : {1, 2, 3}) tables[k].table.number("radius", "m", &P::radius, size, "Radius.").required();
   tables[2].table.number("length", "m", &P::length, size, "Length.").required();
@@ -195,7 +210,8 @@ std::vector<TaggedTable> collider_tables() {
 Table<SelectText> select_table() {
   using S = SelectText;
   Table<S> t("grasps[].select", "Which nodes are grasped.");
-  t.text("feature", &S::feature, "A feature of the body: grid corner_0..3, edge_0..3, center; rope end_0, end_1, center; mesh center.");
+  t.text("feature", &S::feature,
+         "A feature of the body: grid corner_0..3, edge_0..3, center; rope end_0, end_1, center; mesh center.");
   t.add({"nodes", "list of integers", "", "", "nodes of the body", "Node numbers."},
         [](const YamlValue& v, const std::string& path, S* out) {
           for (const YamlValue& item : read_list(v, path, "node numbers")) {
@@ -210,7 +226,8 @@ Table<SelectText> select_table() {
       read_vector(v, path, kCoordinate, (out->*member)->data(), 3);
     };
   };
-  t.add({"nearest", "[x, y, z]", "m", "", kCoordinate.text(), "The node nearest to this point of the world."}, position(&S::nearest));
+  t.add({"nearest", "[x, y, z]", "m", "", kCoordinate.text(), "The node nearest to this point of the world."},
+        position(&S::nearest));
   t.number("reach", "m", &S::reach, above(0, 1000), "How far the nearest node may be.");
   t.optional_number("radius", "m", &S::radius, above(0, 1000), "", "All nodes this near to `center`.");
   t.vector("center", "[x, y, z]", "m", &S::center, kCoordinate, "Of the ball that `radius` gives.");
@@ -227,19 +244,27 @@ Table<SelectText> select_table() {
 Table<GraspText> grasp_table() {
   using G = GraspText;
   Table<G> t("grasps[]", "A grasp present from the start. Its nodes are attached rigidly, as they lie, to its frame.");
-  t.name("name", [](G& g) -> std::string& { return g.request.name; }, "Unique; part of topic names.");
-  t.text("body", [](G& g) -> std::string& { return g.request.body; }, "The body grasped.").required();
+  t.name(
+      "name", [](G& g) -> std::string& { return g.request.name; }, "Unique; part of topic names.");
+  t.text(
+       "body", [](G& g) -> std::string& { return g.request.body; }, "The body grasped.")
+      .required();
   t.map("select", &G::select, select_table(), "Which nodes. See grasps[].select.").required();
-  t.add({"pose", "map", "", "centroid of the nodes", "", "World from grasp: the frame moves and torques refer to. See pose."},
+  t.add({"pose", "map", "", "centroid of the nodes", "",
+         "World from grasp: the frame moves and torques refer to. See pose."},
         [](const YamlValue& v, const std::string& path, G* out) { pose_table().read(v, path, &out->pose.emplace()); });
-  t.number("max_force", "N", [](G& g) -> double& { return g.request.max_force; }, between(0, 1e6),
-           "The grasp slips off beyond; 0 = holds always.");
-  t.number("max_speed", "m/s", [](G& g) -> double& { return g.request.max_speed; }, between(0, 100),
-           "Targets are approached no faster; 0 = grasp_max_speed.");
-  t.number("stiffness", "N/m", [](G& g) -> double& { return g.request.stiffness; }, between(0, 1e8),
-           "Of the attachment; 0 = rigid.");
-  t.text("follow_frame", [](G& g) -> std::string& { return g.request.follow_frame; },
-         "tf frame the grasp is rigidly attached to (ROS only).");
+  t.number(
+      "max_force", "N", [](G& g) -> double& { return g.request.max_force; }, between(0, 1e6),
+      "The grasp slips off beyond; 0 = holds always.");
+  t.number(
+      "max_speed", "m/s", [](G& g) -> double& { return g.request.max_speed; }, between(0, 100),
+      "Targets are approached no faster; 0 = grasp_max_speed.");
+  t.number(
+      "stiffness", "N/m", [](G& g) -> double& { return g.request.stiffness; }, between(0, 1e8),
+      "Of the attachment; 0 = rigid.");
+  t.text(
+      "follow_frame", [](G& g) -> std::string& { return g.request.follow_frame; },
+      "tf frame the grasp is rigidly attached to (ROS only).");
   return t;
 }
 
@@ -273,9 +298,11 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
   t.map("air", &SceneSpec::air, air_table(), "See air.");
   t.map("step", &SceneSpec::step, step_table(), "See step.");
   t.number("grasp_max_speed", "m/s", &SceneSpec::grasp_max_speed, above(0, 100), "For grasps that name no max_speed.");
-  t.add({"bodies", "list", "", "", "at least one", "Each a map with one key: `- cloth: {...}` or `- rope: {...}`."}, lists.bodies)
+  t.add({"bodies", "list", "", "", "at least one", "Each a map with one key: `- cloth: {...}` or `- rope: {...}`."},
+        lists.bodies)
       .required();
-  t.add({"colliders", "list", "", "[]", "", "Each a map with one key: box, sphere, cylinder, capsule or plane."}, lists.colliders);
+  t.add({"colliders", "list", "", "[]", "", "Each a map with one key: box, sphere, cylinder, capsule or plane."},
+        lists.colliders);
   t.add({"grasps", "list", "", "[]", "", "Each a map. See grasps[]."}, lists.grasps);
   t.add({"robot", "map", "", "no robot", "", "See robot. `robot: {}` takes all links."},
         [](const YamlValue& v, const std::string& path, SceneSpec* scene) {

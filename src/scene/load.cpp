@@ -13,9 +13,13 @@
 namespace deformable_sim {
 namespace {
 
-Location location_of(const YamlValue& value) { return {value.origin, value.line}; }
+Location location_of(const YamlValue& value) {
+  return {value.origin, value.line};
+}
 
-std::string indexed(const std::string& path, size_t k) { return path + "[" + std::to_string(k) + "]"; }
+std::string indexed(const std::string& path, size_t k) {
+  return path + "[" + std::to_string(k) + "]";
+}
 
 std::string resolve_mesh(const std::string& mesh, const std::string& scene_file) {
   const std::string scheme = "package://deformable_sim/";
@@ -58,8 +62,9 @@ class SceneReader {
                : body.mesh.empty()          ? (body.cells[0] + 1.0) * (body.cells[1] + 1.0)
                                             : 0.0;
       if (nodes > kMaxNodes) {
-        refuse(entry, entry_path, format_number(nodes) + " nodes so far; at most " + std::to_string(kMaxNodes) +
-                                      " in a scene", Code::kOutOfRange);
+        refuse(entry, entry_path,
+               format_number(nodes) + " nodes so far; at most " + std::to_string(kMaxNodes) + " in a scene",
+               Code::kOutOfRange);
       }
       if (!body.mesh.empty()) body.mesh = resolve_mesh(body.mesh, scene_file_);
       scene->bodies.push_back(std::move(body));
@@ -74,7 +79,8 @@ class SceneReader {
     if (!body.mesh.empty() && material) {
       for (const char* key : {"shear_stiffness", "poissons_ratio"}) {
         const YamlValue* value = material->find(key);
-        if (value) refuse(*value, path + ".material." + key, "is for grids; a triangle mesh of springs has a ratio of 1/3");
+        if (value)
+          refuse(*value, path + ".material." + key, "is for grids; a triangle mesh of springs has a ratio of 1/3");
       }
     }
     const std::vector<std::string> features = feature_names(body);
@@ -128,11 +134,19 @@ class SceneReader {
     Shape shape;
     shape.type = kTypes.at(tag);
     switch (shape.type) {
-      case Shape::Type::kBox: shape.size = text.size; break;
-      case Shape::Type::kSphere: shape.size = {text.radius, 0, 0}; break;
+      case Shape::Type::kBox:
+        shape.size = text.size;
+        break;
+      case Shape::Type::kSphere:
+        shape.size = {text.radius, 0, 0};
+        break;
       case Shape::Type::kCylinder:
-      case Shape::Type::kCapsule: shape.size = {text.radius, text.length, 0}; break;
-      case Shape::Type::kPlane: shape.size.setZero(); break;
+      case Shape::Type::kCapsule:
+        shape.size = {text.radius, text.length, 0};
+        break;
+      case Shape::Type::kPlane:
+        shape.size.setZero();
+        break;
     }
     Collider collider;
     collider.name = text.name;

@@ -27,7 +27,8 @@ class Welder {
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices != 3) {
-        throw InputError("has a face with " + std::to_string(face.mNumIndices) + " vertices; lines and points are no cloth");
+        throw InputError("has a face with " + std::to_string(face.mNumIndices) +
+                         " vertices; lines and points are no cloth");
       }
       std::array<int, 3> triangle{};
       for (size_t k = 0; k < 3; ++k) {
@@ -84,7 +85,8 @@ void check_file(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": no such mesh file", Code::kNotFound);
   std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   const std::vector<std::string> known{".obj", ".stl", ".ply", ".dae"};
   if (std::find(known.begin(), known.end(), extension) == known.end()) {
     throw InputError(path + ": meshes are OBJ, STL, PLY or DAE files");

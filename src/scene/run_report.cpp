@@ -30,9 +30,13 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-std::string vector(const Vec3& v) { return "[" + number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + "]"; }
+std::string vector(const Vec3& v) {
+  return "[" + number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + "]";
+}
 
-std::string member(const std::string& key, const std::string& value) { return quoted(key) + ": " + value; }
+std::string member(const std::string& key, const std::string& value) {
+  return quoted(key) + ": " + value;
+}
 
 std::string body_json(const Snapshot& s, size_t index) {
   const Body& body = s.model->bodies[index];
@@ -40,8 +44,9 @@ std::string body_json(const Snapshot& s, size_t index) {
   const auto x = s.x.middleCols(body.first_node, body.node_count);
   const auto mass = s.model->mass.segment(body.first_node, body.node_count);
   const Vec3 center = x * mass / mass.sum();
-  return "{" + member("nodes", std::to_string(body.node_count)) + ", " + member("max_strain", number(report.max_strain)) +
-         ", " + member("min_strain", number(report.min_strain)) + ", " +
+  return "{" + member("nodes", std::to_string(body.node_count)) + ", " +
+         member("max_strain", number(report.max_strain)) + ", " + member("min_strain", number(report.min_strain)) +
+         ", " +
          member("energies", "{" + member("kinetic", number(report.kinetic_energy)) + ", " +
                                 member("elastic", number(report.elastic_energy)) + ", " +
                                 member("potential", number(report.potential_energy)) + "}") +
@@ -53,9 +58,12 @@ std::string body_json(const Snapshot& s, size_t index) {
 
 const char* phase_name(GraspPhase phase) {
   switch (phase) {
-    case GraspPhase::kHolding: return "holding";
-    case GraspPhase::kSlipped: return "slipped";
-    case GraspPhase::kWaitingForFrame: return "waiting_for_frame";
+    case GraspPhase::kHolding:
+      return "holding";
+    case GraspPhase::kSlipped:
+      return "slipped";
+    case GraspPhase::kWaitingForFrame:
+      return "waiting_for_frame";
   }
   return "";
 }
@@ -117,9 +125,10 @@ std::string run_json(const RunReport& report) {
   return "{" + member("scene", quoted(report.scene)) + ", " + member("error", quoted(report.error)) + ", " +
          member("time", number(s.time)) + ", " + member("steps", std::to_string(s.step)) + ", " +
          member("dt", number(s.dt)) + ", " + member("integrator", quoted(s.integrator)) + ", " +
-         member("cpu_seconds", number(report.cpu_seconds)) + ", " + member("wall_seconds", number(report.wall_seconds)) +
-         ", " + member("real_time_factor", number(report.real_time_factor())) + ", " +
-         member("bodies", "{" + bodies + "}") + ", " + member("grasps", "{" + grasps + "}") + ", " +
+         member("cpu_seconds", number(report.cpu_seconds)) + ", " +
+         member("wall_seconds", number(report.wall_seconds)) + ", " +
+         member("real_time_factor", number(report.real_time_factor())) + ", " + member("bodies", "{" + bodies + "}") +
+         ", " + member("grasps", "{" + grasps + "}") + ", " +
          member("max_penetration", number(report.max_penetration)) + ", " +
          member("max_strain", number(report.max_strain)) + ", " + member("bill", "[" + bill + "]") + "}";
 }

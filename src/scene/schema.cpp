@@ -11,10 +11,14 @@ namespace {
 
 const char* kind_of(const YamlValue& value) {
   switch (value.kind) {
-    case YamlValue::Kind::kNull: return "nothing";
-    case YamlValue::Kind::kList: return "a list";
-    case YamlValue::Kind::kMap: return "a map";
-    case YamlValue::Kind::kScalar: break;
+    case YamlValue::Kind::kNull:
+      return "nothing";
+    case YamlValue::Kind::kList:
+      return "a list";
+    case YamlValue::Kind::kMap:
+      return "a map";
+    case YamlValue::Kind::kScalar:
+      break;
   }
   return value.quoted ? "quoted text" : "text";
 }
@@ -22,11 +26,8 @@ const char* kind_of(const YamlValue& value) {
 /// What was found, short enough for one line: the text itself or the kind of value.
 std::string found(const YamlValue& value) {
   if (value.kind != YamlValue::Kind::kScalar) return kind_of(value);
-  std::string shown = value.text.substr(0, 40);
-  for (char& c : shown) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
-  return (value.quoted ? "the quoted text '" : "'") + shown + (value.text.size() > 40 ? "...'" : "'");
+  return (value.quoted ? "the quoted text '" : "'") + value.text.substr(0, 40) +
+         (value.text.size() > 40 ? "...'" : "'");
 }
 
 void expect_scalar(const YamlValue& value, const std::string& path, const std::string& what) {
@@ -72,7 +73,7 @@ std::string nearest(const std::string& word, const std::vector<std::string>& wor
 
 std::string hint(const std::string& word, const std::vector<std::string>& words) {
   const std::string near = nearest(word, words);
-  return (near.empty() ? "" : "; did you mean '" + near + "'?") + std::string(" Allowed: ") + join(words);
+  return (near.empty() ? "; allowed: " : "; did you mean '" + near + "'? Allowed: ") + join(words);
 }
 
 std::vector<std::string> present(const YamlValue& map, const std::vector<std::string>& names) {
@@ -117,7 +118,8 @@ double read_number(const YamlValue& value, const std::string& path, const Range&
   std::istringstream stream(value.text);
   stream.imbue(std::locale::classic());
   stream >> number;
-  if (value.quoted || value.text.find_first_not_of("0123456789+-.eE") != std::string::npos || !stream || !stream.eof()) {
+  if (value.quoted || value.text.find_first_not_of("0123456789+-.eE") != std::string::npos || !stream ||
+      !stream.eof()) {
     refuse(value, path, "must be a number, not " + found(value));
   }
   if (!range.contains(number)) {
@@ -134,7 +136,8 @@ int read_integer(const YamlValue& value, const std::string& path, int low, int h
   const long number = value.text.size() > 12 ? (sign && value.text[0] == '-' ? -1000000000000L : 1000000000000L)
                                              : std::stol(value.text);
   if (number < low || number > high) {
-    refuse(value, path, value.text + " is out of range; allowed: " + std::to_string(low) + " ... " + std::to_string(high),
+    refuse(value, path,
+           value.text + " is out of range; allowed: " + std::to_string(low) + " ... " + std::to_string(high),
            Code::kOutOfRange);
   }
   return static_cast<int>(number);
@@ -158,8 +161,10 @@ std::string read_name(const YamlValue& value, const std::string& path) {
   const bool good = name[0] >= 'a' && name[0] <= 'z' && name.size() <= 64 &&
                     name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
   if (!good) {
-    refuse(value, path, found(value) + " is not a name; allowed: lower case letters, digits and underscores, a letter "
-                        "first, at most 64");
+    refuse(value, path,
+           found(value) +
+               " is not a name; allowed: lower case letters, digits and underscores, a letter "
+               "first, at most 64");
   }
   return name;
 }

@@ -22,8 +22,12 @@ struct Range {
   bool contains(double value) const { return (open ? value > low : value >= low) && value <= high; }
   std::string text() const;
 };
-inline Range between(double low, double high) { return {low, high, false}; }
-inline Range above(double low, double high) { return {low, high, true}; }
+inline Range between(double low, double high) {
+  return {low, high, false};
+}
+inline Range above(double low, double high) {
+  return {low, high, true};
+}
 
 /// What the reference page says of a key.
 struct KeyText {
@@ -102,10 +106,9 @@ class Table {
   template <class Get>
   Table& boolean(const std::string& name, Get get, const std::string& doc) {
     T prototype{};
-    return add({name, "bool", "", std::invoke(get, prototype) ? "true" : "false", "true, false", doc},
-               [get](const YamlValue& v, const std::string& path, T* out) {
-                 std::invoke(get, *out) = read_bool(v, path);
-               });
+    return add(
+        {name, "bool", "", std::invoke(get, prototype) ? "true" : "false", "true, false", doc},
+        [get](const YamlValue& v, const std::string& path, T* out) { std::invoke(get, *out) = read_bool(v, path); });
   }
   template <class Get>
   Table& text(const std::string& name, Get get, const std::string& doc) {
@@ -115,9 +118,8 @@ class Table {
   }
   template <class Get>
   Table& name(const std::string& name, Get get, const std::string& doc) {
-    add({name, "name", "", "", "a-z, 0-9, _", doc}, [get](const YamlValue& v, const std::string& path, T* out) {
-      std::invoke(get, *out) = read_name(v, path);
-    });
+    add({name, "name", "", "", "a-z, 0-9, _", doc},
+        [get](const YamlValue& v, const std::string& path, T* out) { std::invoke(get, *out) = read_name(v, path); });
     return required();
   }
   template <class Get>

@@ -11,10 +11,39 @@
 namespace deformable_sim {
 namespace {
 
-int line_of(const YAML::Mark& mark) { return mark.line + 1; }
+int line_of(const YAML::Mark& mark) {
+  return mark.line + 1;
+}
 
 std::string place(const std::string& origin, int line) {
   return line > 0 ? origin + ":" + std::to_string(line) : origin;
+}
+
+/// Length of the well-formed UTF-8 sequence at text[i], or 0.
+size_t sequence_length(const std::string& text, size_t i) {
+  const unsigned char first = static_cast<unsigned char>(text[i]);
+  const size_t length = first < 0x80                    ? 1
+                        : first >= 0xc2 && first < 0xe0 ? 2
+                        : first >= 0xe0 && first < 0xf0 ? 3
+                        : first >= 0xf0 && first < 0xf5 ? 4
+                                                        : 0;
+  if (length == 0 || i + length > text.size()) return 0;
+  for (size_t k = 1; k < length; ++k) {
+    if ((static_cast<unsigned char>(text[i + k]) & 0xc0) != 0x80) return 0;
+  }
+  return length;
+}
+
+/// A message quotes what the user wrote: one line of valid UTF-8, which clients in other languages insist on.
+InputError error_of(const std::string& message, Code code = Code::kInvalidArgument) {
+  std::string clean;
+  for (size_t i = 0; i < message.size();) {
+    const size_t length = sequence_length(message, i);
+    const bool control = length == 1 && (static_cast<unsigned char>(message[i]) < 0x20 || message[i] == 0x7f);
+    clean += control ? " " : length == 0 ? "?" : message.substr(i, length);
+    i += std::max<size_t>(1, length);
+  }
+  return InputError(clean, code);
 }
 
 /// What a value costs in memory, in values of ordinary length: copies of one long text count too.
@@ -81,7 +110,7 @@ class TreeBuilder : public YAML::EventHandler {
   };
 
   [[noreturn]] void fail(const YAML::Mark& mark, const std::string& what) const {
-    throw InputError(place(origin_, line_of(mark)) + ": " + what);
+    throw error_of(place(origin_, line_of(mark)) + ": " + what);
   }
   void count(int n, const YAML::Mark& mark) {
     values_ += n;
@@ -101,14 +130,10 @@ class TreeBuilder : public YAML::EventHandler {
     if (static_cast<int>(open_.size()) >= kMaxYamlDepth) {
       fail(mark, "nested deeper than " + std::to_string(kMaxYamlDepth) + " levels");
     }
-    if (!open_.empty() && awaits_key()) fail(mark, "a key must be a plain word, not a list or a map");
     Open level;
     level.value = std::move(value);
     level.anchor = anchor;
     open_.push_back(std::move(level));
-  }
-  bool awaits_key() const {
-    return open_.back().value.kind == YamlValue::Kind::kMap && !open_.back().has_key;
   }
   void close() {
     Open level = std::move(open_.back());
@@ -140,12 +165,12 @@ class TreeBuilder : public YAML::EventHandler {
   }
   void take_key(const YamlValue& key, Open* level) const {
     if (key.kind != YamlValue::Kind::kScalar) {
-      throw InputError(place(origin_, key.line) + ": a key must be a plain word");
+      throw error_of(place(origin_, key.line) + ": a key must be a plain word");
     }
     const auto added = level->key_lines.emplace(key.text, key.line);
     if (!added.second) {
-      throw InputError(place(origin_, key.line) + ": " + key.text + ": given twice; the first is at line " +
-                       std::to_string(added.first->second));
+      throw error_of(place(origin_, key.line) + ": " + key.text + ": given twice; the first is at line " +
+                     std::to_string(added.first->second));
     }
     level->has_key = true;
     level->key = key.text;
@@ -176,39 +201,39 @@ std::vector<PathStep> split_path(const std::string& path) {
     if (path[i] == '[') {
       const size_t end = path.find(']', i);
       const std::string digits = end == std::string::npos ? "" : path.substr(i + 1, end - i - 1);
-      const bool number = !digits.empty() && digits.size() < 7 &&
-                          digits.find_first_not_of("0123456789") == std::string::npos;
-      if (expect_key || !number) throw InputError("--set " + path + ": malformed path" + hint);
+      const bool number =
+          !digits.empty() && digits.size() < 7 && digits.find_first_not_of("0123456789") == std::string::npos;
+      if (expect_key || !number) throw error_of("--set " + path + ": malformed path" + hint);
       step.index = static_cast<size_t>(std::stoul(digits));
       i = end + 1;
     } else {
-      if (!expect_key && path[i] != '.') throw InputError("--set " + path + ": malformed path" + hint);
+      if (!expect_key && path[i] != '.') throw error_of("--set " + path + ": malformed path" + hint);
       if (!expect_key) ++i;
       const size_t end = std::min(path.find_first_of(".[", i), path.size());
       step.key = path.substr(i, end - i);
-      if (step.key.empty()) throw InputError("--set " + path + ": malformed path" + hint);
+      if (step.key.empty()) throw error_of("--set " + path + ": malformed path" + hint);
       i = end;
     }
     expect_key = false;
     steps.push_back(step);
   }
-  if (steps.empty() || path.back() == '.') throw InputError("--set " + path + ": malformed path" + hint);
+  if (steps.empty() || path.back() == '.') throw error_of("--set " + path + ": malformed path" + hint);
   return steps;
 }
 
 YamlValue* descend(const PathStep& step, const std::string& path, YamlValue* at) {
   if (step.key.empty()) {
-    if (at->kind != YamlValue::Kind::kList) throw InputError("--set " + path + ": [...] after something that is no list");
+    if (at->kind != YamlValue::Kind::kList) throw error_of("--set " + path + ": [...] after something that is no list");
     if (step.index >= at->items.size()) {
-      throw InputError("--set " + path + ": index " + std::to_string(step.index) + " of a list of " +
-                           std::to_string(at->items.size()),
-                       Code::kOutOfRange);
+      throw error_of("--set " + path + ": index " + std::to_string(step.index) + " of a list of " +
+                         std::to_string(at->items.size()),
+                     Code::kOutOfRange);
     }
     return &at->items[step.index];
   }
   if (at->kind == YamlValue::Kind::kNull) at->kind = YamlValue::Kind::kMap;
   if (at->kind != YamlValue::Kind::kMap) {
-    throw InputError("--set " + path + ": '" + step.key + "' is looked for in something that is no map");
+    throw error_of("--set " + path + ": '" + step.key + "' is looked for in something that is no map");
   }
   for (YamlValue& item : at->items) {
     if (item.key == step.key) return &item;
@@ -229,11 +254,13 @@ const YamlValue* YamlValue::find(const std::string& name) const {
   return nullptr;
 }
 
-std::string YamlValue::where() const { return place(origin, line); }
+std::string YamlValue::where() const {
+  return place(origin, line);
+}
 
 YamlValue parse_yaml(const std::string& text, const std::string& origin) {
   if (text.size() > kMaxSceneBytes) {
-    throw InputError(origin + ": larger than " + std::to_string(kMaxSceneBytes >> 20) + " MiB");
+    throw error_of(origin + ": larger than " + std::to_string(kMaxSceneBytes >> 20) + " MiB");
   }
   TreeBuilder tree(origin);
   try {
@@ -242,11 +269,11 @@ YamlValue parse_yaml(const std::string& text, const std::string& origin) {
     if (!parser.HandleNextDocument(tree)) return YamlValue{};
     TreeBuilder second(origin);
     if (parser.HandleNextDocument(second)) {
-      throw InputError(place(origin, second.first_line()) + ": a second document; a scene is one");
+      throw error_of(place(origin, second.first_line()) + ": a second document; a scene is one");
     }
   } catch (const YAML::Exception& error) {
     const int line = error.mark.is_null() ? 1 : line_of(error.mark);
-    throw InputError(place(origin, line) + ": not valid YAML: " + error.msg);
+    throw error_of(place(origin, line) + ": not valid YAML: " + error.msg);
   }
   return tree.take_root();
 }
@@ -258,7 +285,7 @@ void override_value(const std::string& path, const std::string& value, YamlValue
   try {
     parsed = parse_yaml(value, "VALUE");
   } catch (const InputError& error) {
-    throw InputError("--set " + path + ": '" + value + "': " + error.what(), error.code());
+    throw error_of("--set " + path + ": '" + value + "': " + error.what(), error.code());
   }
   relocate("--set " + path, &parsed);
   parsed.key = at->key;
@@ -267,11 +294,10 @@ void override_value(const std::string& path, const std::string& value, YamlValue
 
 void refuse(const YamlValue& value, const std::string& full_path, const std::string& what, Code code) {
   // Keys come from the user: keep the message one line of readable length.
-  std::string path = full_path.size() > 120 ? full_path.substr(0, 117) + "..." : full_path;
-  std::replace_if(path.begin(), path.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+  const std::string path = full_path.size() > 120 ? full_path.substr(0, 117) + "..." : full_path;
   const std::string where = value.where();
   const bool said = path.empty() || where == "--set " + path;
-  throw InputError(where + ": " + (said ? "" : path + ": ") + what, code);
+  throw error_of(where + ": " + (said ? "" : path + ": ") + what, code);
 }
 
 void refuse_key(const YamlValue& value, const std::string& path, const std::string& what) {

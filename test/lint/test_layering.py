@@ -41,6 +41,7 @@ BAD = [
 ]
 
 GOOD = [
+    ('src/simulate.cpp', 'volatile std::sig_atomic_t g_interrupted = 0;'),
     ('src/core/contact/x.cpp', '#include <fcl/fcl.h>\n#include <Eigen/Core>\n#include <vector>'),
     ('src/scene/load.cpp', '#include <yaml-cpp/yaml.h>\n#include "deformable_sim/core/error.h"'),
     ('src/scene/build.cpp', '#include "deformable_sim/core/energy/terms.h"'),

@@ -31,11 +31,12 @@ inline std::shared_ptr<Model> points_model(const Nodes& x, double mass, const Ve
 struct Sheet {
   double size_x = 0.5, size_y = 0.5;  // m
   int cells_x = 20, cells_y = 20;
-  double areal_density = 0.15;        // kg/m^2
-  double membrane = 250.0;            // N/m
-  double bend = 0.05;                 // N/m
-  double damping_time = 0.002;        // s
-  double contact_radius = 0.001;      // m
+  double areal_density = 0.15;    // kg/m^2
+  double membrane = 250.0;        // N/m
+  double bend = 0.05;             // N/m
+  double damping_time = 0.002;    // s
+  double mass_damping = 0.0;      // 1/s
+  double contact_radius = 0.001;  // m
   bool contact_at_faces = false;
   double friction = 0.5;
   Vec3 position = Vec3::Zero();
@@ -67,6 +68,7 @@ inline std::shared_ptr<Model> sheet_model(const Sheet& sheet) {
   model->energies.push_back(make_springs("stretch springs", network.stretch, 0));
   if (!network.shear.empty()) model->energies.push_back(make_springs("shear springs", network.shear, 0));
   if (!network.bend.empty()) model->energies.push_back(make_springs("bend springs", network.bend, 0));
+  if (sheet.mass_damping > 0.0) model->energies.push_back(make_mass_damping(model->mass, sheet.mass_damping));
   if (!sheet.gravity.isZero()) model->energies.push_back(make_gravity(model->mass, sheet.gravity));
   model->initial.x = mesh->rest.colwise() + sheet.position;
   model->initial.v = Nodes::Zero(3, mesh->rest.cols());
@@ -107,6 +109,8 @@ inline GraspRequest grasp_nodes(const std::string& name, const std::string& body
 }
 
 /// Everything a refused command may not change, to the last bit.
-inline bool same_state(const State& a, const State& b) { return a.time == b.time && a.x == b.x && a.v == b.v; }
+inline bool same_state(const State& a, const State& b) {
+  return a.time == b.time && a.x == b.x && a.v == b.v;
+}
 
 }  // namespace deformable_sim::test

@@ -14,7 +14,8 @@ using test::collider;
 constexpr double kDt = 0.01;
 
 struct Scene {
-  Scene(const Nodes& x, std::vector<Collider> given) : model(test::points_model(x, 0.01, Vec3(0, 0, -9.81))), colliders(given) {
+  Scene(const Nodes& x, std::vector<Collider> given)
+      : model(test::points_model(x, 0.01, Vec3(0, 0, -9.81))), colliders(given) {
     for (const Collider& c : colliders) poses.push_back({c.world_from_collider, c.world_from_collider});
     held.assign(static_cast<size_t>(x.cols()), 0);
     state = model->initial;
@@ -36,7 +37,9 @@ struct Scene {
   std::unique_ptr<ContactFinder> finder;
 };
 
-Nodes column(double x, double y, double z) { return Nodes(Vec3(x, y, z)); }
+Nodes column(double x, double y, double z) {
+  return Nodes(Vec3(x, y, z));
+}
 
 TEST(ContactFinder, GivesTheTangentPlaneAtTheNearestSurfacePoint) {
   // gap = n.p - offset with offset = n.q + r: sphere of radius 0.1, point 1 mm outside it, r = 0.3 mm.
@@ -64,7 +67,8 @@ TEST(ContactFinder, SeesNothingThatCannotBeReached) {
 TEST(ContactFinder, WidensItsReachByTheSurfaceMotion) {
   // A plate 20 mm away that comes 30 mm nearer in the step has to be seen by a node at rest.
   for (Shape::Type type : {Shape::Type::kBox, Shape::Type::kPlane}) {
-    Scene s(column(0.1, 0, 0.02), {collider("c", type, Vec3(1, 1, 0.002), at(0, 0, type == Shape::Type::kBox ? -0.001 : 0))});
+    Scene s(column(0.1, 0, 0.02),
+            {collider("c", type, Vec3(1, 1, 0.002), at(0, 0, type == Shape::Type::kBox ? -0.001 : 0))});
     s.poses[0].end.translation().z() += 0.03;
     const ContactConstraints contacts = s.find();
     ASSERT_EQ(contacts.size(), 1u);
@@ -150,6 +154,29 @@ TEST(ContactFinder, SkipsPointsBetweenNodesOfOneFlatFace) {
   EXPECT_GT(count(collider("strip", Shape::Type::kBox, Vec3(2, 0.1, 1), at(0, 0, -0.5))), 7u);
 }
 
+TEST(ContactFinder, KeepsPointsBetweenNodesOverAnEdge) {
+  // One node on the table, its neighbour beyond the rim may slide down past it: the middle of their edge needs a plane,
+  // although the surface points of both nodes lie on one face.
+  test::Sheet sheet;
+  sheet.size_x = sheet.size_y = 0.015;
+  sheet.cells_x = sheet.cells_y = 1;
+  sheet.contact_at_faces = true;
+  sheet.position = Vec3(-0.0025, 0, 0.0015);
+  const auto model = test::sheet_model(sheet);
+  const Collider table = collider("table", Shape::Type::kBox, Vec3(1, 1, 1), at(-0.5, 0, -0.5));
+  ContactFinder finder(model.get());
+  finder.set_colliders({table});
+  State state = model->initial;
+  state.v.row(2).setConstant(-0.5);
+  ContactConstraints contacts;
+  finder.find(state, kDt, {{table.world_from_collider, table.world_from_collider}}, std::vector<char>(4, 0), 0.0,
+              &contacts);
+  int between = 0;
+  for (const ContactConstraint& c : contacts) between += c.count > 1 ? 1 : 0;
+  // Of 5 edges 3 cross the rim (x = 0), and so do both faces; the edge on the table is implied.
+  EXPECT_GE(between, 5);
+}
+
 TEST(ContactFinder, MeasuresTheDeepestPointOfTheWholeSheet) {
   // A 20 mm edge lying on a 50 mm sphere sinks by its sagitta, R - sqrt(R^2 - (s/2)^2), in the middle.
   test::Sheet sheet;
@@ -160,7 +187,8 @@ TEST(ContactFinder, MeasuresTheDeepestPointOfTheWholeSheet) {
   // Put every corner on the sphere: the centre of the diagonal is deepest.
   const double half_diagonal = 0.01 * std::sqrt(2.0);
   x.row(2).setConstant(std::sqrt(0.05 * 0.05 - half_diagonal * half_diagonal));
-  const double depth = measure_penetration(*model, {collider("ball", Shape::Type::kSphere, Vec3(0.05, 0, 0), at(0, 0, 0))}, x);
+  const double depth =
+      measure_penetration(*model, {collider("ball", Shape::Type::kSphere, Vec3(0.05, 0, 0), at(0, 0, 0))}, x);
   EXPECT_NEAR(depth, 0.05 - x(2, 0), 1e-12);
 }
 

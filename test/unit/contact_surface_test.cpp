@@ -15,7 +15,9 @@ double box_distance(const Vec3& p, const Vec3& size) {
   const Vec3 q = p.cwiseAbs() - 0.5 * size;
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
 }
-double sphere_distance(const Vec3& p, const Vec3& size) { return p.norm() - size[0]; }
+double sphere_distance(const Vec3& p, const Vec3& size) {
+  return p.norm() - size[0];
+}
 double cylinder_distance(const Vec3& p, const Vec3& size) {
   const Eigen::Vector2d q(std::hypot(p.x(), p.y()) - size[0], std::abs(p.z()) - 0.5 * size[1]);
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
@@ -24,7 +26,9 @@ double capsule_distance(const Vec3& p, const Vec3& size) {
   const double z = std::clamp(p.z(), -0.5 * size[1], 0.5 * size[1]);
   return (p - Vec3(0, 0, z)).norm() - size[0];
 }
-double plane_distance(const Vec3& p, const Vec3&) { return p.z(); }
+double plane_distance(const Vec3& p, const Vec3&) {
+  return p.z();
+}
 
 struct Case {
   const char* name;
@@ -33,7 +37,9 @@ struct Case {
   double (*distance)(const Vec3&, const Vec3&);
 };
 
-std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << c.name;
+}
 
 class SurfaceQueryOf : public testing::TestWithParam<Case> {};
 
@@ -48,8 +54,8 @@ TEST_P(SurfaceQueryOf, AgreesWithTheClosedFormInsideAndOutside) {
   std::uniform_real_distribution<double> in(-1.0, 1.0);
   int inside = 0, outside = 0;
   for (int k = 0; k < 4000; ++k) {
-    const Pose world_from_shape = test::at(in(random), in(random), in(random), 3.0 * in(random),
-                                           Vec3(in(random), in(random), in(random) + 2.0));
+    const Pose world_from_shape =
+        test::at(in(random), in(random), in(random), 3.0 * in(random), Vec3(in(random), in(random), in(random) + 2.0));
     query.place(world_from_shape);
     const Vec3 local = 0.2 * Vec3(in(random), in(random), in(random));
     const double expected = c.distance(local, c.size);
@@ -109,7 +115,8 @@ TEST_P(SurfaceQueryOf, BoxHoldsTheShapeTightly) {
   query.place(pose);
   for (int axis = 0; axis < 3; ++axis) {
     for (double side : {-1.0, 1.0}) {
-      // A far plane point's nearest shape point lies towards it: its distance along the axis is the gap to the box side.
+      // A far plane point's nearest shape point lies towards it: its distance along the axis is the gap to the box
+      // side.
       SurfacePoint found;
       const Vec3 p = query.box().center() + side * 1e4 * Vec3::Unit(axis);
       ASSERT_TRUE(query.find(p, 2e4, &found));
@@ -119,15 +126,14 @@ TEST_P(SurfaceQueryOf, BoxHoldsTheShapeTightly) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Every, SurfaceQueryOf,
-    testing::Values(Case{"box", Shape::Type::kBox, Vec3(0.2, 0.3, 0.1), box_distance},
-                    Case{"plate", Shape::Type::kBox, Vec3(0.3, 0.3, 0.01), box_distance},
-                    Case{"sphere", Shape::Type::kSphere, Vec3(0.15, 0, 0), sphere_distance},
-                    Case{"cylinder", Shape::Type::kCylinder, Vec3(0.1, 0.2, 0), cylinder_distance},
-                    Case{"capsule", Shape::Type::kCapsule, Vec3(0.08, 0.15, 0), capsule_distance},
-                    Case{"plane", Shape::Type::kPlane, Vec3::Zero(), plane_distance}),
-    [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Every, SurfaceQueryOf,
+                         testing::Values(Case{"box", Shape::Type::kBox, Vec3(0.2, 0.3, 0.1), box_distance},
+                                         Case{"plate", Shape::Type::kBox, Vec3(0.3, 0.3, 0.01), box_distance},
+                                         Case{"sphere", Shape::Type::kSphere, Vec3(0.15, 0, 0), sphere_distance},
+                                         Case{"cylinder", Shape::Type::kCylinder, Vec3(0.1, 0.2, 0), cylinder_distance},
+                                         Case{"capsule", Shape::Type::kCapsule, Vec3(0.08, 0.15, 0), capsule_distance},
+                                         Case{"plane", Shape::Type::kPlane, Vec3::Zero(), plane_distance}),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
 }  // namespace deformable_sim

@@ -36,7 +36,9 @@ std::string refusal(const std::function<void()>& act, Code* code = nullptr) {
   return "";
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 TEST(Selection, TakesTheNearestNodeWithinReach) {
   const auto model = five_points();
@@ -137,7 +139,8 @@ TEST(GraspSet, RefusesBadRequestsAndKeepsWhatItHas) {
   EXPECT_TRUE(contains(why(grasp_nodes("", "points", {3}), Code::kInvalidArgument), "name"));
   EXPECT_TRUE(contains(why(grasp_nodes("left", "points", {3}), Code::kAlreadyExists), "exists"));
   EXPECT_TRUE(contains(why(grasp_nodes("right", "rope", {3}), Code::kNotFound), "there are: points"));
-  EXPECT_TRUE(contains(why(grasp_nodes("right", "points", {1, 2}), Code::kUnavailable), "node 1 of 'points' is held by grasp 'left'"));
+  EXPECT_TRUE(contains(why(grasp_nodes("right", "points", {1, 2}), Code::kUnavailable),
+                       "node 1 of 'points' is held by grasp 'left'"));
   for (double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     GraspRequest r = grasp_nodes("right", "points", {3});
     r.max_force = bad;

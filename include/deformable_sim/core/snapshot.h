@@ -33,6 +33,7 @@ struct Snapshot {
   std::shared_ptr<const Model> model;
   Nodes x, v;
   std::vector<BodyReport> bodies;  // parallel to model->bodies
+  Eigen::VectorXf contact_force;   // N at each node, normal and friction; empty when nothing touches
   std::vector<GraspReport> grasps;
   std::vector<Collider> colliders;
   StepReport report;

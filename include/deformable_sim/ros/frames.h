@@ -38,6 +38,9 @@ class Frames {
   /// Does not wait; nothing when the frame is not connected to the world frame or open() was not called.
   std::optional<FramePose> latest(const std::string& frame) const;
 
+  /// Drops moving transforms: stamps of this node's own frames are about to begin anew.
+  void forget();
+
   const std::string& world_frame() const { return world_frame_; }
   double timeout() const { return timeout_; }
 

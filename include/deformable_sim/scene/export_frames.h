@@ -17,7 +17,8 @@ FrameFormat frame_format(const std::string& name);
 /// significant digits, so that reading them back gives the same bits.
 ///   csv  node,x,y,z,vx,vy,vz
 ///   ply  ascii; vertex properties x y z vx vy vz (double), faces (cloth) or edges (rope)
-///   obj  v lines, f (cloth) or l (rope) lines; velocities, which OBJ does not know, as comments "#v vx vy vz" in the same order
+///   obj  v lines, f (cloth) or l (rope) lines; velocities, which OBJ does not know, as comments "#v vx vy vz" in the
+///   same order
 class FrameWriter {
  public:
   /// Creates the folder. Throws InputError when it cannot be written to.

@@ -26,8 +26,8 @@ std::string find_scene(const std::string& name_or_file, const std::string& scene
 /// Names of the scenes in a folder, sorted.
 std::vector<std::string> scene_names(const std::string& scene_dir);
 
-/// Where this package's config/, meshes/ ... lie: the share directory this executable was installed beside, else the source
-/// tree it was built from. Also what package://deformable_sim/ stands for in a scene.
+/// Where this package's config/, meshes/ ... lie: the share directory this executable was installed beside, else the
+/// source tree it was built from. Also what package://deformable_sim/ stands for in a scene.
 std::string package_dir();
 
 /// DEFORMABLE_SIM_SCENES from the environment, else package_dir()/config/scenes.

@@ -12,22 +12,32 @@ namespace {
 
 std::string shape_name(Shape::Type type) {
   switch (type) {
-    case Shape::Type::kBox: return "box";
-    case Shape::Type::kSphere: return "sphere";
-    case Shape::Type::kCylinder: return "cylinder";
-    case Shape::Type::kCapsule: return "capsule";
-    case Shape::Type::kPlane: break;
+    case Shape::Type::kBox:
+      return "box";
+    case Shape::Type::kSphere:
+      return "sphere";
+    case Shape::Type::kCylinder:
+      return "cylinder";
+    case Shape::Type::kCapsule:
+      return "capsule";
+    case Shape::Type::kPlane:
+      break;
   }
   return "plane";
 }
 
 int size_count(Shape::Type type) {
   switch (type) {
-    case Shape::Type::kBox: return 3;
-    case Shape::Type::kSphere: return 1;
-    case Shape::Type::kCylinder: return 2;
-    case Shape::Type::kCapsule: return 2;
-    case Shape::Type::kPlane: break;
+    case Shape::Type::kBox:
+      return 3;
+    case Shape::Type::kSphere:
+      return 1;
+    case Shape::Type::kCylinder:
+      return 2;
+    case Shape::Type::kCapsule:
+      return 2;
+    case Shape::Type::kPlane:
+      break;
   }
   return 0;
 }
@@ -47,14 +57,16 @@ double lever_of(const Collider& collider) {
 void check_collider(const Collider& collider) {
   const std::string who = "collider '" + collider.name + "': ";
   if (collider.name.empty()) throw InputError("a collider needs a name");
-  if (collider.shapes.empty()) throw InputError(who + "has no shape; give at least one box, sphere, cylinder, capsule or plane");
+  if (collider.shapes.empty())
+    throw InputError(who + "has no shape; give at least one box, sphere, cylinder, capsule or plane");
   if (!std::isfinite(collider.friction) || collider.friction < 0.0)
     throw InputError(who + "friction must be a finite number >= 0");
   if (!is_valid_pose(collider.world_from_collider))
     throw InputError(who + "the pose must be finite, within 1e6 m, with a unit quaternion");
   for (const Shape& s : collider.shapes) {
     if (!is_valid_pose(s.collider_from_shape))
-      throw InputError(who + "the pose of its " + shape_name(s.type) + " must be finite, within 1e6 m, with a unit quaternion");
+      throw InputError(who + "the pose of its " + shape_name(s.type) +
+                       " must be finite, within 1e6 m, with a unit quaternion");
     for (int i = 0; i < size_count(s.type); ++i) {
       // A capsule without a straight part is a sphere and is allowed.
       const bool may_be_zero = s.type == Shape::Type::kCapsule && i == 1;
@@ -102,7 +114,8 @@ std::string ColliderSet::move(const std::string& name, const Pose& target, doubl
   const double way = FrameMotion::travel(motions_[i].pose(), target, levers_[i]);
   if (way <= max_speed_ * std::max(duration, dt) * (1.0 + 1e-9)) return "";
   char note[160];
-  std::snprintf(note, sizeof note, "rate-limited to %g m/s: the pose is reached after %.3g s", max_speed_, way / max_speed_);
+  std::snprintf(note, sizeof note, "rate-limited to %g m/s: the pose is reached after %.3g s", max_speed_,
+                way / max_speed_);
   return note;
 }
 

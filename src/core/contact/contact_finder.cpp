@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace deformable_sim {
@@ -9,14 +10,19 @@ namespace {
 
 constexpr int kBlockSize = 32;
 /// Reach beyond the motion expected from speed and gravity: room for what springs add to the speed in one step.
-constexpr double kSlack = 0.002;      // m
+constexpr double kSlack = 0.002;  // m
 constexpr double kSpeedMargin = 1.25;
 /// Points found inside a surface leave it no faster than this, so that they come out without being thrown.
-constexpr double kExitSpeed = 0.3;    // m/s
+constexpr double kExitSpeed = 0.3;  // m/s
+/// Points between nodes are left out while they cannot come deeper than this share of the radius behind the nodes'
+/// planes.
+constexpr double kCoveredShare = 0.9;
 /// Deeper than this behind its last plane a point leaves by the nearest surface instead.
 constexpr double kKeepSideDepth = 0.02;  // m
 
-Vec3 motion_at(const Pose& end_from_begin, const Vec3& p) { return end_from_begin * p - p; }
+Vec3 motion_at(const Pose& end_from_begin, const Vec3& p) {
+  return end_from_begin * p - p;
+}
 
 }  // namespace
 
@@ -114,7 +120,8 @@ void ContactFinder::find_on_shape(int k, const std::vector<ContactPoint>& points
       for (int i = block.first; i < block.last; ++i) {
         const auto index = static_cast<size_t>(i);
         block_box.extend(placed[index].p);
-        reach = std::max(reach, placed[index].reach + model_->bodies[static_cast<size_t>(points[index].body)].contact_radius);
+        reach = std::max(reach,
+                         placed[index].reach + model_->bodies[static_cast<size_t>(points[index].body)].contact_radius);
       }
       reach += shape.travel;
       if (box.squaredExteriorDistance(block_box) > reach * reach) continue;
@@ -129,7 +136,8 @@ void ContactFinder::find_on_shape(int k, const std::vector<ContactPoint>& points
       if (bounded && box.squaredExteriorDistance(at.p) > reach * reach) continue;
       if (point.count > 1 && implied_by_nodes(point, *contacts)) continue;
       SurfacePoint surface;
-      if (shape.query.find(at.p, reach, &surface)) add_plane(k, point, at.p, surface, first_key + i, pose, dt, contacts);
+      if (shape.query.find(at.p, reach, &surface))
+        add_plane(k, point, at.p, surface, first_key + i, pose, dt, contacts);
     }
   }
 }
@@ -178,19 +186,31 @@ void ContactFinder::keep_side(std::int64_t key, const Vec3& p, const Pose& world
 }
 
 bool ContactFinder::implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const {
-  // A mean of points on the admissible side of one and the same plane is on it too.
-  const ContactConstraint* first = nullptr;
+  const Plane* planes[3] = {nullptr, nullptr, nullptr};
+  Vec3 mean = Vec3::Zero();
+  const double radius = model_->bodies[static_cast<size_t>(point.body)].contact_radius;
   for (int k = 0; k < point.count; ++k) {
     const int index = contact_of_node_[static_cast<size_t>(point.node[static_cast<size_t>(k)])];
     if (index < 0) return false;
-    const ContactConstraint& c = contacts[static_cast<size_t>(index)];
-    if (first == nullptr) {
-      first = &c;
-    } else if (std::abs(c.offset - first->offset) > 1e-9 || (c.normal - first->normal).squaredNorm() > 1e-24) {
-      return false;
-    }
+    const auto i = static_cast<size_t>(index);
+    // A node that is still on its way out does not hold its neighbourhood off the surface.
+    if (contacts[i].offset < planes_[i].end_offset + radius - 1e-12) return false;
+    planes[k] = &planes_[i];
+    mean += planes_[i].point / point.count;
   }
-  return true;
+  // The mean p of the nodes at the end of the step lies above plane k, n_k . p >= n_k . q_k, by all but
+  // n_k . (q_k - mean q) and what the other nodes may sink below plane k while they slide along their own. The shape is
+  // wholly below every one of the planes.
+  double depth = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < point.count; ++k) {
+    double below = planes[k]->normal.dot(planes[k]->point - mean);
+    for (int j = 0; j < point.count; ++j) {
+      const double reach = node_reach_[static_cast<size_t>(point.node[static_cast<size_t>(j)])];
+      below += (planes[k]->normal - planes[j]->normal).norm() * reach / point.count;
+    }
+    depth = std::min(depth, below);
+  }
+  return depth <= kCoveredShare * radius + 1e-12;
 }
 
 double ContactFinder::missed_motion(const Nodes& before, const Nodes& after) {
@@ -214,7 +234,8 @@ double ContactFinder::missed_motion(const Nodes& before, const Nodes& after) {
   return 1.5 * missed;
 }
 
-double ContactFinder::penetration(const Nodes& x, const std::vector<PoseStep>& poses, const ContactConstraints& contacts) {
+double ContactFinder::penetration(const Nodes& x, const std::vector<PoseStep>& poses,
+                                  const ContactConstraints& contacts) {
   double deepest = 0.0;
   int placed = -1;
   for (size_t i = 0; i < contacts.size(); ++i) {

@@ -20,11 +20,16 @@ using Geometry = std::variant<fcl::Boxd, fcl::Sphered, fcl::Cylinderd, fcl::Caps
 
 Geometry make_geometry(const Shape& shape) {
   switch (shape.type) {
-    case Shape::Type::kBox: return fcl::Boxd(shape.size);
-    case Shape::Type::kSphere: return fcl::Sphered(shape.size[0]);
-    case Shape::Type::kCylinder: return fcl::Cylinderd(shape.size[0], shape.size[1]);
-    case Shape::Type::kCapsule: return fcl::Capsuled(shape.size[0], shape.size[1]);
-    case Shape::Type::kPlane: break;
+    case Shape::Type::kBox:
+      return fcl::Boxd(shape.size);
+    case Shape::Type::kSphere:
+      return fcl::Sphered(shape.size[0]);
+    case Shape::Type::kCylinder:
+      return fcl::Cylinderd(shape.size[0], shape.size[1]);
+    case Shape::Type::kCapsule:
+      return fcl::Capsuled(shape.size[0], shape.size[1]);
+    case Shape::Type::kPlane:
+      break;
   }
   return fcl::Halfspaced(Vec3::UnitZ(), 0.0);
 }
@@ -33,13 +38,17 @@ Geometry make_geometry(const Shape& shape) {
 Vec3 half_extent(const Shape& shape, const Mat3& r) {
   const Vec3 axis = r.col(2);
   switch (shape.type) {
-    case Shape::Type::kBox: return r.cwiseAbs() * (0.5 * shape.size);
-    case Shape::Type::kSphere: return Vec3::Constant(shape.size[0]);
+    case Shape::Type::kBox:
+      return r.cwiseAbs() * (0.5 * shape.size);
+    case Shape::Type::kSphere:
+      return Vec3::Constant(shape.size[0]);
     case Shape::Type::kCylinder:
       return 0.5 * shape.size[1] * axis.cwiseAbs() +
              shape.size[0] * (Vec3::Ones() - axis.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
-    case Shape::Type::kCapsule: return 0.5 * shape.size[1] * axis.cwiseAbs() + Vec3::Constant(shape.size[0]);
-    case Shape::Type::kPlane: break;
+    case Shape::Type::kCapsule:
+      return 0.5 * shape.size[1] * axis.cwiseAbs() + Vec3::Constant(shape.size[0]);
+    case Shape::Type::kPlane:
+      break;
   }
   return Vec3::Constant(std::numeric_limits<double>::infinity());
 }
@@ -48,11 +57,16 @@ Vec3 half_extent(const Shape& shape, const Mat3& r) {
 
 double bounding_radius(const Shape& shape) {
   switch (shape.type) {
-    case Shape::Type::kBox: return 0.5 * shape.size.norm();
-    case Shape::Type::kSphere: return shape.size[0];
-    case Shape::Type::kCylinder: return std::hypot(shape.size[0], 0.5 * shape.size[1]);
-    case Shape::Type::kCapsule: return shape.size[0] + 0.5 * shape.size[1];
-    case Shape::Type::kPlane: break;
+    case Shape::Type::kBox:
+      return 0.5 * shape.size.norm();
+    case Shape::Type::kSphere:
+      return shape.size[0];
+    case Shape::Type::kCylinder:
+      return std::hypot(shape.size[0], 0.5 * shape.size[1]);
+    case Shape::Type::kCapsule:
+      return shape.size[0] + 0.5 * shape.size[1];
+    case Shape::Type::kPlane:
+      break;
   }
   return 0.0;
 }
@@ -102,8 +116,14 @@ bool SurfaceQuery::find(const Vec3& p, double reach, SurfacePoint* found) {
   return true;
 }
 
-bool SurfaceQuery::bounded() const { return kernel_->shape.type != Shape::Type::kPlane; }
-const Eigen::AlignedBox3d& SurfaceQuery::box() const { return kernel_->box; }
-double SurfaceQuery::bounding_radius() const { return deformable_sim::bounding_radius(kernel_->shape); }
+bool SurfaceQuery::bounded() const {
+  return kernel_->shape.type != Shape::Type::kPlane;
+}
+const Eigen::AlignedBox3d& SurfaceQuery::box() const {
+  return kernel_->box;
+}
+double SurfaceQuery::bounding_radius() const {
+  return deformable_sim::bounding_radius(kernel_->shape);
+}
 
 }  // namespace deformable_sim

@@ -15,7 +15,9 @@ void check_number(const std::string& who, const char* what, double value) {
   if (!std::isfinite(value) || value < 0.0) throw InputError(who + what + " must be a finite number >= 0");
 }
 
-double furthest(const Nodes& local) { return std::sqrt(local.colwise().squaredNorm().maxCoeff()); }
+double furthest(const Nodes& local) {
+  return std::sqrt(local.colwise().squaredNorm().maxCoeff());
+}
 
 }  // namespace
 
@@ -84,9 +86,9 @@ std::vector<int> GraspSet::add(const GraspRequest& request, const Nodes& x) {
     grasp.springs->set_targets(held);
     grasp.targets = held;
   }
-  grasps_.erase(std::remove_if(grasps_.begin(), grasps_.end(),
-                               [&](const Grasp& g) { return g.request.name == request.name; }),
-                grasps_.end());
+  grasps_.erase(
+      std::remove_if(grasps_.begin(), grasps_.end(), [&](const Grasp& g) { return g.request.name == request.name; }),
+      grasps_.end());
   grasps_.push_back(std::move(grasp));
   return taken;
 }
@@ -106,20 +108,23 @@ std::string GraspSet::move(const std::string& name, const Pose& target, double d
   if (!is_valid_pose(target)) throw InputError(who + "the target must be finite, within 1e6 m, with a unit quaternion");
   check_number(who, "duration", duration);
   if (g.phase == GraspPhase::kSlipped)
-    throw InputError("grasp '" + name + "' has slipped and holds nothing; grasp again or release it", Code::kUnavailable);
+    throw InputError("grasp '" + name + "' has slipped and holds nothing; grasp again or release it",
+                     Code::kUnavailable);
   g.motion.move_to(target, duration);
   if (g.phase == GraspPhase::kWaitingForFrame) return "holds still: it is waiting for its frame";
   const double way = FrameMotion::travel(g.motion.pose(), target, g.lever);
   if (way <= g.max_speed * std::max(duration, dt) * (1.0 + 1e-9)) return "";
   char note[160];
-  std::snprintf(note, sizeof note, "rate-limited to %g m/s: the target is reached after %.3g s", g.max_speed, way / g.max_speed);
+  std::snprintf(note, sizeof note, "rate-limited to %g m/s: the target is reached after %.3g s", g.max_speed,
+                way / g.max_speed);
   return note;
 }
 
 void GraspSet::set_waiting(const std::string& name, bool waiting) {
   Grasp& g = find(name);
   if (g.phase == GraspPhase::kSlipped)
-    throw InputError("grasp '" + name + "' has slipped and holds nothing; grasp again or release it", Code::kUnavailable);
+    throw InputError("grasp '" + name + "' has slipped and holds nothing; grasp again or release it",
+                     Code::kUnavailable);
   g.phase = waiting ? GraspPhase::kWaitingForFrame : GraspPhase::kHolding;
   if (waiting) g.motion.stop();
 }
@@ -214,7 +219,8 @@ void GraspSet::measure(const Kinematics& kinematics, const State& s, double frac
 bool GraspSet::slip_overloaded() {
   bool slipped = false;
   for (Grasp& g : grasps_) {
-    if (g.phase == GraspPhase::kSlipped || g.request.max_force <= 0.0 || g.force.norm() <= g.request.max_force) continue;
+    if (g.phase == GraspPhase::kSlipped || g.request.max_force <= 0.0 || g.force.norm() <= g.request.max_force)
+      continue;
     g.phase = GraspPhase::kSlipped;
     g.motion.stop();
     g.speed_limited = false;

@@ -21,7 +21,8 @@ std::string metres(double value) {
 /// Index and distance of the node of the body nearest to p.
 std::pair<int, double> nearest_node(const Body& body, const Nodes& x, const Vec3& p) {
   int nearest = 0;
-  const double d2 = (x.middleCols(body.first_node, body.node_count).colwise() - p).colwise().squaredNorm().minCoeff(&nearest);
+  const double d2 =
+      (x.middleCols(body.first_node, body.node_count).colwise() - p).colwise().squaredNorm().minCoeff(&nearest);
   return {nearest, std::sqrt(d2)};
 }
 
@@ -71,8 +72,9 @@ std::vector<int> feature_nodes(const Body& body, const std::string& feature) {
     std::string known;
     for (const auto& [name, nodes] : body.features)
       if (!nodes.empty()) known += (known.empty() ? "" : ", ") + name;
-    throw InputError("'" + body.name + "' has no feature '" + feature + "'; it has: " + (known.empty() ? "none" : known),
-                     Code::kNotFound);
+    throw InputError(
+        "'" + body.name + "' has no feature '" + feature + "'; it has: " + (known.empty() ? "none" : known),
+        Code::kNotFound);
   }
   std::vector<int> nodes = found->second;
   std::sort(nodes.begin(), nodes.end());
@@ -83,7 +85,8 @@ std::vector<int> feature_nodes(const Body& body, const std::string& feature) {
 
 std::vector<int> select_nodes(const Body& body, const Nodes& x, const Selection& selection) {
   const bool looks_somewhere = selection.method == SelectionMethod::kNearest ||
-                               selection.method == SelectionMethod::kRadius || selection.method == SelectionMethod::kBox;
+                               selection.method == SelectionMethod::kRadius ||
+                               selection.method == SelectionMethod::kBox;
   if (looks_somewhere && !is_valid_pose(selection.world_from_selection))
     throw InputError("the selection's pose must be finite, within 1e6 m, with a unit quaternion");
   const Vec3 p = selection.world_from_selection.translation();
@@ -110,8 +113,10 @@ std::vector<int> select_nodes(const Body& body, const Nodes& x, const Selection&
       if (nodes.empty()) refuse_empty(body, x, p, "in the box");
       return nodes;
     }
-    case SelectionMethod::kNodes: return checked_nodes(body, selection.nodes);
-    case SelectionMethod::kFeature: return feature_nodes(body, selection.feature);
+    case SelectionMethod::kNodes:
+      return checked_nodes(body, selection.nodes);
+    case SelectionMethod::kFeature:
+      return feature_nodes(body, selection.feature);
   }
   throw InputError("unknown selection method; allowed: nearest, radius, box, nodes, feature");
 }

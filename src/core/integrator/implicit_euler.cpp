@@ -4,7 +4,8 @@
 //
 //   r(x) = M (x - x0 - dt v0) / dt^2 - f(x, (x - x0) / dt) - contacts(x)
 //
-// is made small from x0, never from the inertial guess: an unconverged step then cannot drift away from an equilibrium.
+// is made small from x0 or from the explicit step x0 + dt v0 + dt^2 M^-1 f(x0, v0), whichever has the smaller residual:
+// a body at rest starts from x0, so that an unconverged step cannot drift away from an equilibrium.
 // The matrix is M / dt^2 - df/dx - df/dv / dt, projected, so that every Newton direction is a descent direction.
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,11 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kEnough = 0.9;          // a step is accepted when it reduces |p.r| this much
+constexpr double kEnough = 0.9;          // a step may turn p.r round by this much ...
+constexpr double kMostGrowth = 1.5;      // ... or leave this much of it
+constexpr double kInexact = 0.3;         // beyond this, the secant is tried
+constexpr double kFarthest = 4.0;        // of a secant, in units of the Newton step
+constexpr double kLeastLeft = 1.0 - 1.0 / kFarthest;
 constexpr int kHalvings = 8;             // of a Newton step, at most
 constexpr double kLinearShare = 0.3;     // of the Newton tolerance that the linear solve may leave
 constexpr double kAtRest = 1e-3;         // of the tolerance: below, a step may take no Newton iteration at all
@@ -39,25 +44,25 @@ class ImplicitEuler : public Integrator {
   void reset() override { pattern_ = nullptr; }
 
   StepReport advance(double dt, Dynamics* d, State* s) override {
-    begin(dt, *d, *s);
     StepReport report;
-    evaluate(trial_.x);
-    report.residual = unbalanced();
+    const double start = thread_cpu_time();
+    begin(dt, *d, *s);
+    report.residual = start_iteration();
+    report.seconds_assembly = thread_cpu_time() - start;
     const double enough = settings_.tolerance;
     report.converged = report.residual <= kAtRest * enough;
     for (int k = 0; k < settings_.newton_iterations && !report.converged; ++k) {
       assemble(&report);
-      if (!solve(k, &report)) break;
-      const double start = thread_cpu_time();
+      if (!solve(&report)) break;
+      const double search = thread_cpu_time();
       search_along_step();
-      if (!contacts_.empty()) {
-        contacts_.update(trial_.x, k < kFrictionIterations ? PenaltyContacts::Update::kAll
-                                                           : PenaltyContacts::Update::kModesOnly);
+      if (!contacts_.empty() && k < kFrictionIterations) {
+        contacts_.update_normal_forces(trial_.x);
         add_contacts();
       }
-      report.seconds_assembly += thread_cpu_time() - start;
+      report.seconds_assembly += thread_cpu_time() - search;
       ++report.newton_iterations;
-      report.residual = unbalanced();
+      report.residual = unbalanced(residual_);
       report.converged = report.residual <= enough;
     }
     finish(d, s);
@@ -81,7 +86,7 @@ class ImplicitEuler : public Integrator {
     }
     step_.setZero(3, n);
     renew_matrix();
-    contacts_.begin(dt, s, trial_.x, inverse_mass_, d.contacts);
+    contacts_.begin(dt, s.x, trial_.x, inverse_mass_, d.contacts);
   }
 
   /// A new pattern, step, set of held nodes or of terms makes the matrix's kept parts stale.
@@ -112,10 +117,34 @@ class ImplicitEuler : public Integrator {
     }
   }
 
-  /// Residual at positions x: base_ without contacts, residual_ with them and zero at held nodes.
-  void evaluate(const Nodes& x) {
-    trial_.v = (x - start_->x) / dt_;
-    force_.setZero(3, x.cols());
+  /// Chooses where Newton starts and returns the residual there. The explicit step repeats the last acceleration, since
+  /// that was f(x0, v0) / m: for smooth motion it is off by the third derivative only.
+  double start_iteration() {
+    before_ = trial_.x;
+    force_.setZero(3, start_->x.cols());
+    for (const Energy* energy : dynamics_->energies) energy->add_force(*start_, &force_);
+    step_ = dt_ * start_->v + force_ * (dt_ * dt_ * inverse_mass_).asDiagonal();
+    for (int node : held_) step_.col(node).setZero();
+    const double standing = std::sqrt(step_.squaredNorm() / free_) / (dt_ * dt_);
+    if (!contacts_.empty()) {
+      force_.setZero();
+      contacts_.add_resting_force(&force_);
+      step_ += force_ * (dt_ * dt_ * inverse_mass_).asDiagonal();
+    }
+    trial_.x = before_ + step_;
+    evaluate();
+    // Contacts are left out of the comparison: one Newton step puts them right from either start.
+    if (!(unbalanced(base_) <= standing)) {
+      trial_.x = before_;
+      evaluate();
+    }
+    return unbalanced(residual_);
+  }
+
+  /// Residual at trial_.x: base_ without contacts, residual_ with them and zero at held nodes.
+  void evaluate() {
+    trial_.v = (trial_.x - start_->x) / dt_;
+    force_.setZero(3, trial_.x.cols());
     for (const Energy* energy : dynamics_->energies) energy->add_force(trial_, &force_);
     base_ = (trial_.v - start_->v) * (*dynamics_->mass / dt_).asDiagonal() - force_;
     add_contacts();
@@ -128,10 +157,10 @@ class ImplicitEuler : public Integrator {
   }
 
   /// RMS of r / m over the free nodes, m/s^2.
-  double unbalanced() const {
+  double unbalanced(const Nodes& residual) const {
     double sum = 0.0;
-    for (Eigen::Index i = 0; i < residual_.cols(); ++i) {
-      sum += residual_.col(i).squaredNorm() * inverse_mass_[i] * inverse_mass_[i];
+    for (Eigen::Index i = 0; i < residual.cols(); ++i) {
+      sum += residual.col(i).squaredNorm() * inverse_mass_[i] * inverse_mass_[i];
     }
     return std::sqrt(sum / free_);
   }
@@ -145,19 +174,16 @@ class ImplicitEuler : public Integrator {
     for (const Energy* energy : dynamics_->energies) {
       energy->add_jacobian(trial_, 1.0, 1.0 / dt_, Jacobian::kProjected, &matrix_);
     }
+    if (!contacts_.empty()) contacts_.add_jacobian(trial_.x, &matrix_);
     hold();
     report->seconds_assembly += thread_cpu_time() - start;
-    if (stale_) {
-      const double before = thread_cpu_time();
-      solver_->prepare(matrix_);
-      report->seconds_solve += thread_cpu_time() - before;
-      prepared_dt_ = dt_;
-      prepared_energies_ = dynamics_->energies;
-      stale_ = false;
-    }
-    if (contacts_.empty()) return;
-    contacts_.add_jacobian(&matrix_);
-    hold();
+    if (!stale_) return;
+    const double before = thread_cpu_time();
+    solver_->prepare(matrix_);
+    report->seconds_solve += thread_cpu_time() - before;
+    prepared_dt_ = dt_;
+    prepared_energies_ = dynamics_->energies;
+    stale_ = false;
   }
 
   void hold() {
@@ -166,14 +192,13 @@ class ImplicitEuler : public Integrator {
   }
 
   /// step_ = A^-1 (-r). False when there is no solution to use.
-  bool solve(int iteration, StepReport* report) {
+  bool solve(StepReport* report) {
     const double start = thread_cpu_time();
-    step_.setZero();
-    if (iteration == 0) guess_step();
     LinearTolerance tolerance;
     tolerance.relative = settings_.linear_tolerance;
     tolerance.iterations = settings_.linear_iterations;
     tolerance.absolute = kLinearShare * settings_.tolerance;
+    step_.setZero();
     const LinearReport linear = solver_->solve(matrix_, residual_, inverse_mass_, tolerance, &step_);
     for (int node : held_) step_.col(node).setZero();
     report->linear_iterations += linear.iterations;
@@ -181,30 +206,33 @@ class ImplicitEuler : public Integrator {
     return step_.allFinite();
   }
 
-  /// Motion goes on as it was, as far as that lowers the quadratic model.
-  void guess_step() {
-    step_ = dt_ * start_->v;
-    for (int node : held_) step_.col(node).setZero();
-    matrix_.multiply(step_, &force_);
-    const double curvature = step_.cwiseProduct(force_).sum(), slope = step_.cwiseProduct(residual_).sum();
-    if (curvature > 0.0 && slope > 0.0) {
-      step_ *= slope / curvature;
-    } else {
-      step_.setZero();
-    }
-  }
-
-  /// Moves trial_ along step_. No potential is needed, so drag and friction fit: the work p.r must fall.
+  /// Moves trial_ along step_. No potential is needed, so drag and friction fit: the work p.r must not turn round by more
+  /// than kEnough of what it was.
   void search_along_step() {
-    const double slope = std::abs(step_.cwiseProduct(residual_).sum());
+    const double slope = step_.cwiseProduct(residual_).sum();
     before_ = trial_.x;
     double fraction = 1.0;
     for (int k = 0; k <= kHalvings; ++k, fraction *= 0.5) {
       trial_.x = before_ + fraction * step_;
-      evaluate(trial_.x);
-      if (std::abs(step_.cwiseProduct(residual_).sum()) <= kEnough * slope) return;
-      if (unbalanced() <= settings_.tolerance) return;
+      evaluate();
+      if (unbalanced(residual_) <= settings_.tolerance) return;
+      const double ratio = step_.cwiseProduct(residual_).sum() / slope;
+      if (!(ratio >= -kEnough && ratio <= kMostGrowth)) continue;
+      if (std::abs(ratio) > kInexact) try_fraction(ratio < kLeastLeft ? fraction / (1.0 - ratio) : kFarthest * fraction);
+      return;
     }
+  }
+
+  /// A slack sheet stiffens while it moves, so that full steps overshoot; a matrix stiffer than the forces falls short.
+  /// The secant's zero of p.r is taken where it leaves a smaller residual.
+  void try_fraction(double fraction) {
+    const double full = unbalanced(residual_);
+    other_ = trial_.x;
+    trial_.x = before_ + fraction * step_;
+    evaluate();
+    if (unbalanced(residual_) < full) return;
+    trial_.x = other_;
+    evaluate();
   }
 
   void finish(Dynamics* d, State* s) {
@@ -228,7 +256,7 @@ class ImplicitEuler : public Integrator {
   const Dynamics* dynamics_ = nullptr;
   const State* start_ = nullptr;
   State trial_;
-  Nodes step_, before_, force_;
+  Nodes step_, before_, other_, force_;
   Nodes base_, residual_;         // base_ = M a - f; residual_ = contacts - base_, the direction to go
   Eigen::VectorXd inverse_mass_;  // 0 at held nodes
   double free_ = 1.0;             // number of free nodes

@@ -5,124 +5,103 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kStiffness = 1000.0;  // of a contact, in units of its inertia m / dt^2
-constexpr double kCreep = 5e-5;        // m/s: sticking contacts creep no faster, whatever they carry
+constexpr double kStiffness = 100.0;  // of a contact, in units of its inertia m / dt^2
+constexpr double kCreep = 5e-4;        // m/s: sticking contacts creep no faster, whatever they carry
 
 }  // namespace
 
-void PenaltyContacts::begin(double dt, const State& start, const Nodes& guess, const Eigen::VectorXd& inverse_mass,
+void PenaltyContacts::begin(double dt, const Nodes& start, const Nodes& x, const Eigen::VectorXd& inverse_mass,
                             const ContactConstraints& constraints) {
   dt_ = dt;
   contacts_.clear();
   for (const ContactConstraint& plane : constraints) {
     Contact c;
     c.plane = plane;
-    Vec3 before = Vec3::Zero(), expected = Vec3::Zero();
     double compliance = 0.0;
     for (size_t k = 0; k < static_cast<size_t>(plane.count); ++k) {
-      const int node = plane.node[k];
-      const double weight = plane.weight[k];
-      const bool held = inverse_mass[node] == 0.0;
-      before += weight * start.x.col(node);
-      expected += weight * (held ? Vec3(guess.col(node)) : Vec3(start.x.col(node) + dt * start.v.col(node)));
-      compliance += weight * weight * inverse_mass[node];
+      compliance += plane.weight[k] * plane.weight[k] * inverse_mass[plane.node[k]];
     }
-    if (compliance > 0.0) {
-      c.inertia = 1.0 / compliance;
-      c.stiffness = kStiffness * c.inertia / (dt * dt);
-      c.reference = before + dt * plane.surface_velocity;
-      const Vec3 now = point(c, guess);
-      const double gap_now = plane.normal.dot(now) - plane.offset;
-      const double gap_expected = plane.normal.dot(expected) - plane.offset;
-      c.normal_force = std::max(0.0, -c.stiffness * gap_now);
-      if (gap_now < 0.0 || gap_expected < 0.0) {
-        c.mode = Mode::kStick;
-        const Vec3 sliding = expected - c.reference;
-        set_friction_mode(sliding - plane.normal.dot(sliding) * plane.normal, &c);
-      }
-    }
+    if (compliance > 0.0) c.stiffness = kStiffness / (compliance * dt * dt);
+    c.reference = point(c, start) + dt * plane.surface_velocity;
+    c.normal_force = std::max(0.0, -c.stiffness * gap(c, point(c, x)));
     contacts_.push_back(c);
   }
 }
 
-void PenaltyContacts::update(const Nodes& x, Update what) {
-  for (Contact& c : contacts_) {
-    if (c.inertia == 0.0) continue;
-    const Vec3 p = point(c, x);
-    const double normal_force = std::max(0.0, -c.stiffness * (c.plane.normal.dot(p) - c.plane.offset));
-    if (normal_force == 0.0) {
-      c.mode = Mode::kOpen;
-      c.normal_force = 0.0;
-      continue;
+void PenaltyContacts::add_resting_force(Nodes* f) const {
+  for (const Contact& c : contacts_) {
+    for (size_t k = 0; k < static_cast<size_t>(c.plane.count); ++k) {
+      f->col(c.plane.node[k]) += c.plane.weight[k] * c.normal_force * c.plane.normal;
     }
-    if (what == Update::kAll || c.normal_force == 0.0) c.normal_force = normal_force;
-    const Vec3 sliding = p - c.reference;
-    set_friction_mode(sliding - c.plane.normal.dot(sliding) * c.plane.normal, &c);
   }
 }
 
-/// Sticks while k |u| <= mu lambda, u the distance slid in this step; a contact whose sliding has turned round sticks.
-void PenaltyContacts::set_friction_mode(const Vec3& sliding, Contact* c) const {
-  const double most = c->plane.friction * c->normal_force;
-  c->stick_stiffness = std::max(c->stiffness, most / (kCreep * dt_));
-  const double slid = sliding.norm();
-  const bool turned = c->mode == Mode::kSlide && sliding.dot(c->direction) < 0.0;
-  if (turned || slid == 0.0 || c->stick_stiffness * slid <= most) {
-    c->mode = Mode::kStick;
-    return;
-  }
-  c->mode = Mode::kSlide;
-  c->direction = sliding / slid;
-  c->slid = slid;
+void PenaltyContacts::update_normal_forces(const Nodes& x) {
+  for (Contact& c : contacts_) c.normal_force = std::max(0.0, -c.stiffness * gap(c, point(c, x)));
 }
 
-Vec3 PenaltyContacts::point(const Contact& c, const Nodes& x) const {
+Vec3 PenaltyContacts::point(const Contact& c, const Nodes& x) {
   Vec3 p = Vec3::Zero();
   for (size_t k = 0; k < static_cast<size_t>(c.plane.count); ++k) p += c.plane.weight[k] * x.col(c.plane.node[k]);
   return p;
 }
 
-Vec3 PenaltyContacts::force(const Contact& c, const Vec3& p) const {
-  if (c.mode == Mode::kOpen) return Vec3::Zero();
-  const Vec3& n = c.plane.normal;
-  const Vec3 normal = -c.stiffness * (n.dot(p) - c.plane.offset) * n;
-  if (c.plane.friction == 0.0) return normal;
-  Vec3 sliding = p - c.reference;
-  sliding -= n.dot(sliding) * n;
-  if (c.mode == Mode::kStick) return normal - c.stick_stiffness * sliding;
-  // The direction may turn within the Newton step, as in jacobian(); its change along itself is of second order.
-  const Vec3 across = sliding - c.direction.dot(sliding) * c.direction;
-  return normal - c.plane.friction * c.normal_force * (c.direction + across / c.slid);
+Vec3 PenaltyContacts::sliding(const Contact& c, const Vec3& p) {
+  const Vec3 moved = p - c.reference;
+  return moved - c.plane.normal.dot(moved) * c.plane.normal;
 }
 
-Mat3 PenaltyContacts::jacobian(const Contact& c) const {
-  const Vec3& n = c.plane.normal;
+double PenaltyContacts::stick_stiffness(const Contact& c) const {
+  return std::max(c.stiffness, c.plane.friction * c.normal_force / (kCreep * dt_));
+}
+
+Vec3 PenaltyContacts::force(const Contact& c, const Vec3& p) const {
+  const double g = gap(c, p);
+  if (g >= 0.0 || c.stiffness == 0.0) return Vec3::Zero();
+  const Vec3 normal = (-c.stiffness * g) * c.plane.normal;
+  const double most = c.plane.friction * c.normal_force;
+  if (most == 0.0) return normal;
+  const Vec3 u = sliding(c, p);
+  const double stick = stick_stiffness(c), slid = u.norm();
+  return normal - (stick * slid <= most ? stick : most / slid) * u;
+}
+
+Mat3 PenaltyContacts::jacobian(Contact* c, const Vec3& p) const {
+  const Vec3& n = c->plane.normal;
   const Mat3 normal = n * n.transpose();
-  Mat3 h = c.stiffness * normal;
-  if (c.plane.friction == 0.0) return h;
+  Mat3 h = c->stiffness * normal;
+  const double most = c->plane.friction * c->normal_force;
+  if (most == 0.0) return h;
+  const Vec3 u = sliding(*c, p);
+  if (u.dot(c->sliding) < 0.0) c->cautious = ++c->turns;
+  c->sliding = u;
+  const double stick = stick_stiffness(*c), slid = u.norm();
   const Mat3 tangent = Mat3::Identity() - normal;
-  if (c.mode == Mode::kStick) {
-    h += c.stick_stiffness * tangent;
+  if (stick * slid <= most) {
+    h += stick * tangent;
+  } else if (c->cautious > 0) {
+    --c->cautious;
+    h += (most / slid) * tangent;  // bounds the potential from above: cannot jump back and forth over u = 0
   } else {
-    h += (c.plane.friction * c.normal_force / c.slid) * (tangent - c.direction * c.direction.transpose());
+    h += (most / slid) * (tangent - u * u.transpose() / (slid * slid));
   }
   return h;
 }
 
 void PenaltyContacts::add_force(const Nodes& x, Nodes* f) const {
   for (const Contact& c : contacts_) {
-    if (c.mode == Mode::kOpen) continue;
-    const Vec3 force_at_point = force(c, point(c, x));
+    const Vec3 at_point = force(c, point(c, x));
     for (size_t k = 0; k < static_cast<size_t>(c.plane.count); ++k) {
-      f->col(c.plane.node[k]) += c.plane.weight[k] * force_at_point;
+      f->col(c.plane.node[k]) += c.plane.weight[k] * at_point;
     }
   }
 }
 
-void PenaltyContacts::add_jacobian(BlockMatrix* a) const {
-  for (const Contact& c : contacts_) {
-    if (c.mode == Mode::kOpen) continue;
-    const Mat3 h = jacobian(c);
+void PenaltyContacts::add_jacobian(const Nodes& x, BlockMatrix* a) {
+  for (Contact& c : contacts_) {
+    const Vec3 p = point(c, x);
+    if (gap(c, p) >= 0.0 || c.stiffness == 0.0) continue;
+    const Mat3 h = jacobian(&c, p);
     for (size_t i = 0; i < static_cast<size_t>(c.plane.count); ++i) {
       for (size_t j = 0; j < static_cast<size_t>(c.plane.count); ++j) {
         const int slot = a->slot(c.plane.node[i], c.plane.node[j]);

@@ -35,7 +35,9 @@ int BlockMatrix::slot(int i, int j) const {
   return found != last && *found == j ? static_cast<int>(found - column_.begin()) : -1;
 }
 
-void BlockMatrix::set_zero() { std::fill(blocks_.begin(), blocks_.end(), Mat3::Zero()); }
+void BlockMatrix::set_zero() {
+  std::fill(blocks_.begin(), blocks_.end(), Mat3::Zero());
+}
 
 void BlockMatrix::multiply(const Nodes& x, Nodes* y) const {
   const int n = rows();

@@ -1,9 +1,9 @@
 // Preconditioned conjugate gradients in single precision, refined in double precision.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "deformable_sim/core/linear/linear_solver.h"
@@ -12,9 +12,8 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kSmoothing = 0.65;         // below 2 / 3, so that three-node terms keep the preconditioner definite
-constexpr double kStiffNode = 4.0;          // a block this much above its scalar diagonal is rescaled
-constexpr double kSinglePrecision = 1e-4;   // the reduction asked of one pass in single precision
+constexpr double kSmoothing = 0.65;        // below 2 / 3, so that three-node terms keep the preconditioner definite
+constexpr double kSinglePrecision = 1e-4;  // the reduction asked of one pass in single precision
 
 using Padded3 = Eigen::Matrix<float, 4, 3>;  // a 3x3 block, one SIMD register a column
 
@@ -24,20 +23,17 @@ Padded3 padded(const Mat3& block) {
   return result;
 }
 
-Eigen::Vector4f times(const Padded3& block, const Eigen::Vector4f& x) {
+inline Eigen::Vector4f times(const Padded3& block, const float* x) {
   return block.col(0) * x[0] + block.col(1) * x[1] + block.col(2) * x[2];
 }
 
 class ConjugateGradient : public LinearSolver {
  public:
   void prepare(const BlockMatrix& a) override {
-    factor_.compute(a);
+    factor_.analyse(a);
     const auto n = static_cast<size_t>(a.rows());
     blocks_.resize(static_cast<size_t>(a.block_count()));
     inverse_.resize(n);
-    scale_.resize(n);
-    stiff_.clear();
-    stiff_.reserve(n);
     for (PaddedNodes* m : {&r_, &z_, &p_, &ap_, &t_, &coarse_, &work_, &sum_}) m->setZero(4, a.rows());
     residual_.setZero(3, a.rows());
     product_.setZero(3, a.rows());
@@ -83,22 +79,13 @@ class ConjugateGradient : public LinearSolver {
     return std::sqrt(sum / static_cast<double>(std::max<Eigen::Index>(1, r.cols())));
   }
 
-  /// Single precision copy, inverse diagonal blocks, and the scaling of nodes that contacts have made stiff.
+  /// Single precision copy, inverse diagonal blocks, and a new scalar factor if contacts have changed.
   void load(const BlockMatrix& a) {
     for (int k = 0; k < a.block_count(); ++k) blocks_[static_cast<size_t>(k)] = padded(a.block(k));
-    stiff_.clear();
     for (int i = 0; i < a.rows(); ++i) {
-      const Mat3& block = a.block(a.diagonal_slot(i));
-      inverse_[static_cast<size_t>(i)] = padded(kSmoothing * block.inverse());
-      const double scalar = factor_.diagonal()[i];
-      if (block.diagonal().maxCoeff() <= kStiffNode * scalar) continue;
-      // (D / d)^(-1/2): the scalar operator then sees this node as if it had its own stiffness.
-      Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-      eigen.computeDirect(block / scalar);
-      const Vec3 root = eigen.eigenvalues().cwiseMax(1.0).cwiseSqrt().cwiseInverse();
-      scale_[stiff_.size()] = padded(eigen.eigenvectors() * root.asDiagonal() * eigen.eigenvectors().transpose());
-      stiff_.push_back(i);
+      inverse_[static_cast<size_t>(i)] = padded(kSmoothing * a.block(a.diagonal_slot(i)).inverse());
     }
+    factor_.refresh(a);
   }
 
   void multiply(const BlockMatrix& a, const PaddedNodes& x, PaddedNodes* y) const {
@@ -106,30 +93,24 @@ class ConjugateGradient : public LinearSolver {
     for (int i = 0; i < a.rows(); ++i) {
       Eigen::Vector4f sum = Eigen::Vector4f::Zero();
       for (int k = a.row_start()[static_cast<size_t>(i)]; k < a.row_start()[static_cast<size_t>(i) + 1]; ++k) {
-        sum += times(blocks_[static_cast<size_t>(k)], x.col(column[k]));
+        sum += times(blocks_[static_cast<size_t>(k)], x.data() + 4 * column[k]);
       }
       y->col(i) = sum;
     }
   }
 
-  void scale_stiff(PaddedNodes* x) const {
-    for (size_t k = 0; k < stiff_.size(); ++k) x->col(stiff_[k]) = times(scale_[k], x->col(stiff_[k]));
-  }
-
   /// z = M^-1 r: block-Jacobi, scalar solve, block-Jacobi, each on what the one before has left.
   void precondition(const BlockMatrix& a) {
     const Eigen::Index n = r_.cols();
-    for (Eigen::Index i = 0; i < n; ++i) z_.col(i) = times(inverse_[static_cast<size_t>(i)], r_.col(i));
+    for (Eigen::Index i = 0; i < n; ++i) z_.col(i) = times(inverse_[static_cast<size_t>(i)], r_.data() + 4 * i);
     multiply(a, z_, &ap_);
     t_ = r_ - ap_;
     coarse_ = t_;
-    scale_stiff(&coarse_);
     factor_.solve(&coarse_, &work_);
-    scale_stiff(&coarse_);
     z_ += coarse_;
     multiply(a, coarse_, &ap_);
     t_ -= ap_;
-    for (Eigen::Index i = 0; i < n; ++i) z_.col(i) += times(inverse_[static_cast<size_t>(i)], t_.col(i));
+    for (Eigen::Index i = 0; i < n; ++i) z_.col(i) += times(inverse_[static_cast<size_t>(i)], t_.data() + 4 * i);
   }
 
   /// One pass from zero on residual_: sum_ * unit_ is the correction. Returns the iterations spent.
@@ -169,8 +150,6 @@ class ConjugateGradient : public LinearSolver {
   ScalarFactor factor_;
   std::vector<Padded3> blocks_;   // of the matrix, by slot
   std::vector<Padded3> inverse_;  // of the diagonal blocks, times the smoothing weight
-  std::vector<int> stiff_;        // nodes that are rescaled ...
-  std::vector<Padded3> scale_;    // ... and how
   PaddedNodes r_, z_, p_, ap_, t_, coarse_, work_, sum_;
   Nodes residual_, product_;
   double unit_ = 1.0;
@@ -178,6 +157,8 @@ class ConjugateGradient : public LinearSolver {
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_conjugate_gradient_solver() { return std::make_unique<ConjugateGradient>(); }
+std::unique_ptr<LinearSolver> make_conjugate_gradient_solver() {
+  return std::make_unique<ConjugateGradient>();
+}
 
 }  // namespace deformable_sim

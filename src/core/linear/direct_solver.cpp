@@ -49,6 +49,8 @@ class DirectSolver : public LinearSolver {
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_direct_solver() { return std::make_unique<DirectSolver>(); }
+std::unique_ptr<LinearSolver> make_direct_solver() {
+  return std::make_unique<DirectSolver>();
+}
 
 }  // namespace deformable_sim

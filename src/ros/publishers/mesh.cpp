@@ -1,4 +1,6 @@
 // ~<body>/mesh: latched, and still built only when somebody asks.
+#include <ros/single_subscriber_publisher.h>
+
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/messages.h"
 #include "deformable_sim/ros/publishers/makers.h"
@@ -21,22 +23,21 @@ msg::BodyMesh mesh_message(const Body& body) {
   return message;
 }
 
-/// Needs no snapshot, so it is never wanted from the simulation: a subscriber's arrival makes the message.
+/// Needs no snapshot, so it is never wanted from the simulation: a subscriber's arrival makes the message, which is what
+/// latching means to it.
 class Meshes : public Publisher {
  public:
   explicit Meshes(const PublisherContext& context) {
     for (const Body& body : context.model->bodies) {
-      const auto publish_first = [model = context.model, &body, frame_id = context.frame_id, stamp = context.loaded,
-                                  done = std::make_shared<std::atomic<bool>>(false),
-                                  slot = std::make_shared<ros::Publisher>()](const ros::SingleSubscriberPublisher& to) {
-        if (done->exchange(true)) return;  // latched by now
+      const auto publish_to = [model = context.model, &body, frame_id = context.frame_id,
+                                  stamp = context.loaded](const ros::SingleSubscriberPublisher& to) {
         msg::BodyMesh message = mesh_message(body);
         message.header.frame_id = frame_id;
         message.header.stamp = stamp;
         to.publish(message);
       };
       ros::NodeHandle nh = context.private_nh;
-      publishers_.push_back(nh.advertise<msg::BodyMesh>(body.name + "/mesh", 1, publish_first, {}, {}, true));
+      publishers_.push_back(nh.advertise<msg::BodyMesh>(body.name + "/mesh", 1, publish_to, {}, {}, true));
     }
   }
 

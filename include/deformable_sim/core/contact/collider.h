@@ -12,7 +12,8 @@ namespace deformable_sim {
 struct Shape {
   enum class Type { kBox, kSphere, kCylinder, kCapsule, kPlane };
   Type type = Type::kBox;
-  Vec3 size = Vec3::Zero();  // box: full edge lengths; sphere: [radius]; cylinder, capsule: [radius, length of the straight part]
+  Vec3 size = Vec3::Zero();  // box: full edge lengths; sphere: [radius]; cylinder, capsule: [radius, length of the
+                             // straight part]
   Pose collider_from_shape = Pose::Identity();
 };
 
@@ -25,8 +26,8 @@ struct Collider {
   std::string frame;  // tf frame it is attached to; empty = fixed in the world. Read by the ROS layer only.
 };
 
-/// Throws InputError naming the collider: no name, no shape, a size <= 0 (a capsule's straight part may be 0), a pose that
-/// is not finite or not rigid, friction negative or not finite.
+/// Throws InputError naming the collider: no name, no shape, a size <= 0 (a capsule's straight part may be 0), a pose
+/// that is not finite or not rigid, friction negative or not finite.
 void check_collider(const Collider& collider);
 
 }  // namespace deformable_sim

@@ -24,7 +24,8 @@ class ColliderSet {
   void add(const Collider& collider);
   /// Throws InputError (kNotFound) naming those that exist.
   void remove(const std::string& name);
-  /// Throws InputError. Returns a note when max_speed does not allow that duration (or one step of dt); otherwise empty.
+  /// Throws InputError. Returns a note when max_speed does not allow that duration (or one step of dt); otherwise
+  /// empty.
   std::string move(const std::string& name, const Pose& target, double duration, double dt);
 
   /// Moves on by dt and fills `steps`, one a collider.

@@ -12,17 +12,18 @@ namespace deformable_sim {
 ///
 /// The point is p = sum_k weight[k] x[node[k]] (one node, a segment midpoint, or a face centroid).
 /// Admissible: gap(p) = normal . p - offset >= 0, where `offset` already contains the contact radius and the plane
-/// is taken at the END of the step. A plane is valid for one step only (speculative contact, see doc/theory/contact.md).
+/// is taken at the END of the step. A plane is valid for one step only (speculative contact, see
+/// doc/theory/contact.md).
 struct ContactConstraint {
-  std::array<int, 3> node{{-1, -1, -1}};       // world node indices; first `count` are used
-  std::array<double, 3> weight{{1.0, 0, 0}};   // sum to 1
+  std::array<int, 3> node{{-1, -1, -1}};      // world node indices; first `count` are used
+  std::array<double, 3> weight{{1.0, 0, 0}};  // sum to 1
   int count = 1;
-  Vec3 normal = Vec3::UnitZ();                 // out of the collider
-  double offset = 0.0;                         // m
-  Vec3 surface_velocity = Vec3::Zero();        // m/s of the collider's surface at the contact
-  double friction = 0.0;                       // Coulomb coefficient of this pair
-  int collider = -1;                           // index into the world's colliders
-  Vec3 force = Vec3::Zero();                   // N on the body, written by the integrator: normal + friction
+  Vec3 normal = Vec3::UnitZ();           // out of the collider
+  double offset = 0.0;                   // m
+  Vec3 surface_velocity = Vec3::Zero();  // m/s of the collider's surface at the contact
+  double friction = 0.0;                 // Coulomb coefficient of this pair
+  int collider = -1;                     // index into the world's colliders
+  Vec3 force = Vec3::Zero();             // N on the body, written by the integrator: normal + friction
 };
 
 using ContactConstraints = std::vector<ContactConstraint>;

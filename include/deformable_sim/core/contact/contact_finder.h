@@ -15,9 +15,9 @@ namespace deformable_sim {
 /// Speculative contact planes (doc/theory/contact.md).
 ///
 /// Every point whose surface distance is within its reach, contact radius + relative motion expected in the step, gets
-/// the tangent plane at its nearest surface point, carried along with the collider to the end of the step. All shapes are
-/// convex, so a point on the outer side of that plane is outside the shape, however thin it is and however fast it moves.
-/// A point that moves further than expected is told by missed_motion(): the step is repeated with a wider reach.
+/// the tangent plane at its nearest surface point, carried along with the collider to the end of the step. All shapes
+/// are convex, so a point on the outer side of that plane is outside the shape, however thin it is and however fast it
+/// moves. A point that moves further than expected is told by missed_motion(): the step is repeated with a wider reach.
 ///
 /// Not good at: surfaces poking between the points of a coarse mesh; contact of a body with itself.
 class ContactFinder {
@@ -58,15 +58,15 @@ class ContactFinder {
     double friction;
     Pose end_from_begin = Pose::Identity();  // the collider's motion in this step, in world axes
     bool moves = false;
-    double travel = 0.0;                     // m, upper bound for its surface
-    Eigen::AlignedBox3d swept;               // contains it during the whole step; means nothing for a plane
+    double travel = 0.0;        // m, upper bound for its surface
+    Eigen::AlignedBox3d swept;  // contains it during the whole step; means nothing for a plane
   };
   /// A plane of this or the last step in collider coordinates, to keep points on their side of thin plates.
   struct Plane {
     std::int64_t key;  // shape and point, ascending
     int shape;
-    Vec3 normal, point;   // collider frame
-    double end_offset;    // normal . p of the surface at the end of the step, world frame
+    Vec3 normal, point;  // collider frame
+    double end_offset;   // normal . p of the surface at the end of the step, world frame
   };
   struct Point {
     Vec3 p;

@@ -8,8 +8,8 @@
 namespace deformable_sim {
 
 struct SurfacePoint {
-  double distance = 0.0;         // m, negative inside
-  Vec3 normal = Vec3::UnitZ();   // unit, out of the shape; nearest surface point = p - distance * normal
+  double distance = 0.0;        // m, negative inside
+  Vec3 normal = Vec3::UnitZ();  // unit, out of the shape; nearest surface point = p - distance * normal
 };
 
 /// One placed primitive. The distance comes from FCL's closed-form sphere kernels: a sphere of radius `reach` around

@@ -34,36 +34,26 @@ struct LineDrag {
   static double energy(const Points&, const Rest&) { return 0.0; }
 
   static Points force(const Points& x, const Points& v, const Rest&, const Context& air) {
-    const Vec3 d = x.col(1) - x.col(0);
-    const double length = d.norm();
-    if (length < kTiny) return Points::Zero();
-    const Vec3 t = d / length, u = air.wind - v.rowwise().mean();
-    const Vec3 across = u - u.dot(t) * t;
-    const Vec3 half = (0.5 * air.coefficient * length * across.norm()) * across;
+    const Flow flow = flow_at(x, v, air);
+    const Vec3 half = (0.5 * air.coefficient * flow.length * flow.speed) * flow.across;
     return half.replicate<1, 2>();
   }
 
-  /// dx df/dx + dv df/dv. Projected: df/dv, which is symmetric, alone; df/dx is left out.
-  static Blocks jacobian(const Points& x, const Points& v, const Rest&, const Context& air, double dx, double dv,
-                         Jacobian kind) {
-    const Vec3 d = x.col(1) - x.col(0);
-    const double length = d.norm();
-    if (length < kTiny) return Blocks::Zero();
-    const Vec3 t = d / length, u = air.wind - v.rowwise().mean();
-    const double along = u.dot(t);
-    const Vec3 across = u - along * t;
-    const double speed = across.norm();
-    if (speed < kTiny) return Blocks::Zero();
+  /// The block of dv df/dv, symmetric and negative semi-definite. df/dx, which is neither, is left out of projections.
+  static Mat3 uniform_block(const Points& x, const Points& v, const Rest&, const Context& air, double /*dx*/,
+                            double dv) {
+    const Flow flow = flow_at(x, v, air);
+    return (-0.25 * dv * air.coefficient * flow.length) * flow.by_velocity();
+  }
 
-    const Mat3 transverse = Mat3::Identity() - t * t.transpose();
-    const Mat3 square = speed * transverse + across * across.transpose() / speed;  // d(|u_n| u_n)/du
-    const Mat3 by_velocity = (-0.25 * dv * air.coefficient * length) * square;
-    Blocks blocks = by_velocity.replicate<2, 2>();
-    if (kind == Jacobian::kProjected) return blocks;
-
-    // The direction turns with d: du_n = -(u.t) dt - t (u.dt), dt = P dd / l; the second part leaves |u_n| u_n's
-    // plane and is scaled by |u_n| alone.
-    const Mat3 by_direction = speed * across * t.transpose() - along * square - speed * t * across.transpose();
+  /// dx df/dx + dv df/dv, exact.
+  static Blocks jacobian(const Points& x, const Points& v, const Rest& rest, const Context& air, double dx,
+                         double dv) {
+    Blocks blocks = uniform_block(x, v, rest, air, dx, dv).replicate<2, 2>();
+    const Flow flow = flow_at(x, v, air);
+    // The direction turns with d: du_n = -(u.t) dt - t (u.dt), dt = P dd / l.
+    const Mat3 by_direction = flow.speed * flow.across * flow.tangent.transpose() - flow.along * flow.by_velocity() -
+                              flow.speed * flow.tangent * flow.across.transpose();
     const Mat3 block = (0.5 * dx * air.coefficient) * by_direction;
     for (int i = 0; i < 2; ++i) {
       blocks.block<3, 3>(3 * i, 0) -= block;
@@ -73,6 +63,29 @@ struct LineDrag {
   }
 
  private:
+  struct Flow {
+    double length = 0.0;          // l, m
+    Vec3 tangent = Vec3::Zero();  // t
+    double along = 0.0;           // u.t, m/s
+    Vec3 across = Vec3::Zero();   // u_n, m/s
+    double speed = 0.0;           // |u_n|, m/s
+    /// d(|u_n| u_n)/du.
+    Mat3 by_velocity() const {
+      if (speed < kTiny) return Mat3::Zero();
+      return speed * (Mat3::Identity() - tangent * tangent.transpose()) + across * across.transpose() / speed;
+    }
+  };
+  static Flow flow_at(const Points& x, const Points& v, const Context& air) {
+    Flow flow;
+    const Vec3 d = x.col(1) - x.col(0), u = air.wind - v.rowwise().mean();
+    if (d.norm() < kTiny) return flow;
+    flow.length = d.norm();
+    flow.tangent = d / flow.length;
+    flow.along = u.dot(flow.tangent);
+    flow.across = u - flow.along * flow.tangent;
+    flow.speed = flow.across.norm();
+    return flow;
+  }
   static constexpr double kTiny = 1e-15;
 };
 

@@ -34,7 +34,7 @@ struct SheetDrag {
   static double energy(const Points&, const Rest&) { return 0.0; }
 
   static Points force(const Points& x, const Points& v, const Rest&, const Context& air) {
-    const Vec3 area = 0.5 * (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0));
+    const Vec3 area = area_vector(x);
     const double square = area.squaredNorm();
     if (square < kTiny) return Points::Zero();
     const double q = (air.wind - v.rowwise().mean()).dot(area);
@@ -42,18 +42,25 @@ struct SheetDrag {
     return third.replicate<1, 3>();
   }
 
-  /// dx df/dx + dv df/dv. Projected: df/dv, which is symmetric, alone; df/dx is left out.
-  static Blocks jacobian(const Points& x, const Points& v, const Rest&, const Context& air, double dx, double dv,
-                         Jacobian kind) {
-    const Vec3 area = 0.5 * (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0));
+  /// The block of dv df/dv, symmetric and negative semi-definite. df/dx, which is neither, is left out of projections.
+  static Mat3 uniform_block(const Points& x, const Points& v, const Rest&, const Context& air, double /*dx*/,
+                            double dv) {
+    const Vec3 area = area_vector(x);
+    const double square = area.squaredNorm();
+    if (square < kTiny) return Mat3::Zero();
+    const double q = (air.wind - v.rowwise().mean()).dot(area);
+    return (-dv * 2.0 / 9.0 * air.coefficient * std::abs(q) / square) * area * area.transpose();
+  }
+
+  /// dx df/dx + dv df/dv, exact.
+  static Blocks jacobian(const Points& x, const Points& v, const Rest& rest, const Context& air, double dx,
+                         double dv) {
+    const Vec3 area = area_vector(x);
     const double square = area.squaredNorm();
     if (square < kTiny) return Blocks::Zero();
     const Vec3 u = air.wind - v.rowwise().mean();
     const double q = u.dot(area);
-    const Mat3 by_velocity = (-dv * 2.0 * air.coefficient * std::abs(q) / square / 9.0) * area * area.transpose();
-    Blocks blocks = by_velocity.replicate<3, 3>();
-    if (kind == Jacobian::kProjected) return blocks;
-
+    Blocks blocks = uniform_block(x, v, rest, air, dx, dv).replicate<3, 3>();
     const Mat3 by_area =
         (dx * air.coefficient * std::abs(q) / square / 3.0) *
         (2.0 * area * u.transpose() + q * Mat3::Identity() - (2.0 * q / square) * area * area.transpose());
@@ -69,6 +76,9 @@ struct SheetDrag {
   }
 
  private:
+  static Vec3 area_vector(const Points& x) {
+    return 0.5 * (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0));
+  }
   static constexpr double kTiny = 1e-30;  // m^4
 };
 

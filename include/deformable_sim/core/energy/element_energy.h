@@ -18,7 +18,8 @@ namespace deformable_sim {
 /// and, when kPairwise (two points, dependence on differences d = x_b - x_a, w = v_b - v_a only, opposite forces),
 ///   energy(d, rest), force(d, w, rest) on point a, stiffness(d, w, rest, dx, dv, kind) = dx dF/dd + dv dF/dw;
 /// otherwise
-///   energy(x, rest), force(x, v, rest, context), jacobian(x, v, rest, context, dx, dv, kind) = dx df/dx + dv df/dv.
+///   energy(x, rest), force(x, v, rest, context), jacobian(x, v, rest, context, dx, dv) = dx df/dx + dv df/dv, and
+///   uniform_block(...), the one block that all pairs of points have in common in the projected Jacobian.
 template <class E>
 class ElementEnergy : public Energy {
  public:
@@ -81,9 +82,9 @@ class ElementEnergy : public Energy {
 
   void add_jacobian(const State& s, double dx, double dv, Jacobian kind, BlockMatrix* a) const override {
     [[maybe_unused]] const typename E::Context context = E::context(parameters_, s.time);
-    for (size_t k = 0; k < elements_.size(); ++k) {
-      const Element& e = elements_[k];
-      const auto& slot = slots_[k];
+    for (size_t n = 0; n < elements_.size(); ++n) {
+      const Element& e = elements_[n];
+      const auto& slot = slots_[n];
       if constexpr (E::kPairwise) {
         const Vec3 d = s.x.col(e.node[1]) - s.x.col(e.node[0]), w = s.v.col(e.node[1]) - s.v.col(e.node[0]);
         const Mat3 h = E::stiffness(d, w, e.rest, dx, dv, kind);
@@ -92,7 +93,13 @@ class ElementEnergy : public Energy {
         a->block(slot[2]) -= h;
         a->block(slot[3]) += h;
       } else {
-        const auto blocks = E::jacobian(gather(s.x, e), gather(s.v, e), e.rest, context, dx, dv, kind);
+        const auto x = gather(s.x, e), v = gather(s.v, e);
+        if (kind == Jacobian::kProjected) {
+          const Mat3 block = E::uniform_block(x, v, e.rest, context, dx, dv);
+          for (int k : slot) a->block(k) -= block;
+          continue;
+        }
+        const auto blocks = E::jacobian(x, v, e.rest, context, dx, dv);
         for (size_t i = 0; i < kPoints; ++i) {
           for (size_t j = 0; j < kPoints; ++j) {
             a->block(slot[kPoints * i + j]) -= blocks.template block<3, 3>(3 * static_cast<Eigen::Index>(i),

@@ -20,17 +20,18 @@ struct Selection {
   std::string feature;
 };
 
-/// What a grasp is asked to be. The grasp frame starts at world_from_grasp; nodes are attached rigidly to it as they lie.
+/// What a grasp is asked to be. The grasp frame starts at world_from_grasp; nodes are attached rigidly to it as they
+/// lie.
 struct GraspRequest {
   std::string name;
   std::string body;
   Selection selection;
-  bool has_frame = false;        // world_from_grasp given; otherwise identity rotation at the centroid of the nodes
+  bool has_frame = false;  // world_from_grasp given; otherwise identity rotation at the centroid of the nodes
   Pose world_from_grasp = Pose::Identity();
-  double max_force = 0.0;        // N, slips off beyond; 0 = holds always
-  double max_speed = 0.0;        // m/s; 0 = the scene's default
-  double stiffness = 0.0;        // N/m per grasp; 0 = rigid
-  std::string follow_frame;      // kept for reports; the ROS layer drives it
+  double max_force = 0.0;    // N, slips off beyond; 0 = holds always
+  double max_speed = 0.0;    // m/s; 0 = the scene's default
+  double stiffness = 0.0;    // N/m per grasp; 0 = rigid
+  std::string follow_frame;  // kept for reports; the ROS layer drives it
 };
 
 /// Values equal GraspState.state.
@@ -40,13 +41,13 @@ struct GraspReport {
   std::string name;
   std::string body;
   std::string follow_frame;
-  std::vector<int> nodes;        // body-local
+  std::vector<int> nodes;  // body-local
   GraspPhase phase = GraspPhase::kHolding;
   Pose world_from_grasp = Pose::Identity();
-  Vec3 force = Vec3::Zero();     // N the body exerts on the gripper, world axes
-  Vec3 torque = Vec3::Zero();    // N m about the grasp origin, world axes
-  double load = 0.0;             // |force| / max_force; 0 when max_force is 0
-  bool speed_limited = false;    // the target is being approached at max_speed
+  Vec3 force = Vec3::Zero();   // N the body exerts on the gripper, world axes
+  Vec3 torque = Vec3::Zero();  // N m about the grasp origin, world axes
+  double load = 0.0;           // |force| / max_force; 0 when max_force is 0
+  bool speed_limited = false;  // the target is being approached at max_speed
 };
 
 }  // namespace deformable_sim

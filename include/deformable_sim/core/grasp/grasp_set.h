@@ -56,17 +56,17 @@ class GraspSet {
   struct Grasp {
     GraspRequest request;
     int body = 0;
-    std::vector<int> nodes;   // world indices, ascending
-    Nodes local;              // in the grasp frame
-    double max_speed = 0.0;   // m/s
-    double lever = 0.0;       // m, furthest held node from the grasp's origin
+    std::vector<int> nodes;  // world indices, ascending
+    Nodes local;             // in the grasp frame
+    double max_speed = 0.0;  // m/s
+    double lever = 0.0;      // m, furthest held node from the grasp's origin
     FrameMotion motion{Pose::Identity()};
     GraspPhase phase = GraspPhase::kHolding;
     bool speed_limited = false;
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    std::vector<int> slot;                    // of each node in Kinematics; rigid only
-    std::unique_ptr<TargetSprings> springs;   // soft only
-    Nodes targets;                            // of the springs
+    std::vector<int> slot;                   // of each node in Kinematics; rigid only
+    std::unique_ptr<TargetSprings> springs;  // soft only
+    Nodes targets;                           // of the springs
   };
 
   void check_request(const GraspRequest& request) const;

@@ -23,10 +23,11 @@ struct LinearTolerance {
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
-  /// Called when the pattern, the time step or the set of held nodes has changed, with the matrix before contacts: what
+  /// Called when the pattern, the time step or the set of held nodes has changed, or when solves have become slow: what
   /// is worth keeping over many steps is made here (symbolic analysis, preconditioner).
   virtual void prepare(const BlockMatrix& a) = 0;
-  /// Solves A x = b. x holds the initial guess of iterative solvers. `weight` has one entry a node, see LinearTolerance.
+  /// Solves A x = b. x holds the initial guess of iterative solvers. `weight` has one entry a node, see
+  /// LinearTolerance.
   virtual LinearReport solve(const BlockMatrix& a, const Nodes& b, const Eigen::VectorXd& weight,
                              const LinearTolerance& tolerance, Nodes* x) = 0;
 };

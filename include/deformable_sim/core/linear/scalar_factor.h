@@ -1,4 +1,4 @@
-// Cholesky factor of a scalar n x n operator, applied to three right-hand sides at once in single precision.
+// Cholesky factors of three scalar n x n operators, one an axis, applied at once in single precision.
 #pragma once
 
 #include <vector>
@@ -12,23 +12,40 @@ namespace deformable_sim {
 /// One column per node: x, y, z and a padding lane, so that a node is one SIMD register.
 using PaddedNodes = Eigen::Matrix<float, 4, Eigen::Dynamic>;
 
-/// P A P^T = L L^T of the scalar operator that is nearest to a block matrix: off-diagonal entries are minus the largest
-/// eigenvalue of -A_ij, row sums a third of the trace of the block row sums.
+/// One value a node and axis, padded like PaddedNodes.
+using AxisValues = Eigen::Matrix<float, 4, Eigen::Dynamic>;
+
+/// Three scalar operators, one an axis, nearest to a block matrix: the same graph Laplacian (off-diagonal entries are
+/// minus half the largest eigenvalue of -A_ij) plus what the block rows do not cancel on that axis (mass, contacts,
+/// attachments). They differ in their diagonals only, so that one elimination order and one sweep serve all three.
+///
+/// Not good at: constraints along directions between the axes, which it sees as weaker ones along the axes.
 class ScalarFactor {
  public:
-  /// Factorises; the previous factor is forgotten.
-  void compute(const BlockMatrix& a);
-  /// x := (L L^T)^-1 x, permuted as needed; `work` has the size of x.
+  /// Laplacian, elimination order and pattern of L; the factor itself comes with the first refresh().
+  void analyse(const BlockMatrix& a);
+  /// Factorises anew if the row sums of `a` have moved away from those of the present factor. Never allocates.
+  void refresh(const BlockMatrix& a);
+  /// x := (L L^T)^-1 x, axis by axis; `work` has the size of x.
   void solve(PaddedNodes* x, PaddedNodes* work) const;
-  /// Diagonal of the scalar operator.
-  const Eigen::VectorXd& diagonal() const { return diagonal_; }
 
  private:
-  Eigen::VectorXd diagonal_;
-  std::vector<int> position_;  // of node i in the elimination order
-  // Strictly lower part of L by columns, and 1 / L_jj.
-  std::vector<int> column_start_, row_;
-  std::vector<float> value_, inverse_diagonal_;
+  void factorise();
+
+  struct Entry {
+    int row;
+    Eigen::Array4f value;  // one an axis
+  };
+  std::vector<int> position_;      // of node i in the elimination order
+  AxisValues row_sum_, factored_;  // of the matrix at hand and of the present factor, by node
+  // Laplacian in elimination order: its diagonal, and the strictly lower part by rows.
+  std::vector<float> degree_;
+  std::vector<int> weight_start_, weight_column_;
+  std::vector<float> weight_;
+  // Strictly lower part of L by columns with 1 / L_jj, and the columns of each row.
+  std::vector<int> column_start_, column_fill_, row_start_, row_column_;
+  std::vector<Entry> entries_;
+  std::vector<Eigen::Array4f> inverse_diagonal_, work_row_;
 };
 
 }  // namespace deformable_sim

@@ -27,7 +27,7 @@ std::unique_ptr<Publisher> make_status_publisher(const PublisherContext& context
 std::unique_ptr<Publisher> make_diagnostics_publisher(const PublisherContext& context);
 /// /tf: one frame a body and a grasp.
 std::unique_ptr<Publisher> make_transforms_publisher(const PublisherContext& context);
-/// ~grasp_handles, interactive markers: a person drags a grasp.
+/// ~interactive_markers, interactive markers: a person drags a grasp.
 std::unique_ptr<Publisher> make_handles_publisher(const PublisherContext& context);
 
 }  // namespace deformable_sim

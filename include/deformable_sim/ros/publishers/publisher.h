@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include <geometry_msgs/PoseStamped.h>
 #include <ros/node_handle.h>
 
-#include "deformable_sim/core/command.h"
 #include "deformable_sim/core/snapshot.h"
 #include "deformable_sim/scene/spec.h"
 
@@ -37,7 +37,8 @@ struct PublisherContext {
   std::shared_ptr<const Model> model;
   ros::Time loaded;       // stamp of what is published once per scene
   OutputSpec outputs;
-  std::function<void(const command::MoveGrasp&)> move_grasp;  // of a dragged handle
+  /// A person drags the handle of a grasp.
+  std::function<void(const std::string& grasp, const geometry_msgs::PoseStamped& target)> drag_grasp;
 };
 
 /// A topic that counts who comes, so that a paused simulation can be shown to a newcomer.

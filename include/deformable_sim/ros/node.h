@@ -1,0 +1,9 @@
+// The node: reads parameters, loads the scene, wires topics and services to the simulation.
+#pragma once
+
+namespace deformable_sim {
+
+/// Runs until shutdown. Returns the exit code: 0, or 2 when parameters or scene were refused.
+int run_node(int argc, char** argv);
+
+}  // namespace deformable_sim

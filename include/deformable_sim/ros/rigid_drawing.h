@@ -1,0 +1,18 @@
+// Colliders and grasps as rviz markers.
+#pragma once
+
+#include <vector>
+
+#include <visualization_msgs/Marker.h>
+
+#include "deformable_sim/core/snapshot.h"
+
+namespace deformable_sim {
+
+/// One marker a shape, three a capsule; a plane is a thin slab of 10 m under its surface. Ids count from 0.
+std::vector<visualization_msgs::Marker> collider_markers(const Collider& collider);
+
+/// A ball, green while it holds, orange while it waits for its frame, red when it slipped, and its name above.
+std::vector<visualization_msgs::Marker> grasp_markers(const GraspReport& grasp);
+
+}  // namespace deformable_sim

@@ -1,0 +1,35 @@
+// Scene text to everything the node runs: world, topics, what tf moves.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <geometry_msgs/PoseStamped.h>
+#include <ros/node_handle.h>
+
+#include "deformable_sim/ros/frames.h"
+#include "deformable_sim/ros/parameters.h"
+#include "deformable_sim/ros/simulation.h"
+
+namespace deformable_sim {
+
+class SceneLoader {
+ public:
+  using Drag = std::function<void(const std::string& grasp, const geometry_msgs::PoseStamped& target)>;
+
+  SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames, Drag drag_grasp);
+
+  /// A path, or the bare name of a shipped scene. Throws InputError.
+  LoadedScene from_file(const std::string& file) const;
+  LoadedScene from_text(const std::string& yaml) const;
+
+ private:
+  LoadedScene build(SceneSpec spec) const;
+
+  ros::NodeHandle private_nh_;
+  Parameters parameters_;
+  Frames* frames_;
+  Drag drag_grasp_;
+};
+
+}  // namespace deformable_sim

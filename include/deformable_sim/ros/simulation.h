@@ -1,0 +1,117 @@
+// The thread that owns the world: requests, pacing, steps, outputs.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "deformable_sim/core/world.h"
+#include "deformable_sim/ros/frame_follower.h"
+#include "deformable_sim/ros/outputs.h"
+#include "deformable_sim/ros/pacer.h"
+#include "deformable_sim/ros/parameters.h"
+#include "deformable_sim/ros/request_queue.h"
+#include "deformable_sim/ros/warnings.h"
+
+namespace deformable_sim {
+
+/// A scene, built and ready to run.
+struct LoadedScene {
+  SceneSpec spec;
+  std::unique_ptr<World> world;
+  std::vector<Collider> attached;  // moved by tf, relative to their frames; not in the world yet
+  std::shared_ptr<PublisherSet> publishers;
+};
+
+/// All public functions may be called from any thread; they wait for the simulation thread unless they say otherwise.
+class Simulation {
+ public:
+  /// Told on the simulation thread which grasps there are, whenever that changed.
+  using GraspsChanged = std::function<void(const std::vector<std::string>& names, std::shared_ptr<PublisherSet>)>;
+  /// Told after each step and reset: simulated time, s. Empty when there is no /clock to publish.
+  using TimeChanged = std::function<void(double time)>;
+
+  struct StepAnswer {
+    double time = 0.0;  // s, reached
+    std::uint32_t steps = 0;
+    Status status;
+  };
+
+  Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings);
+  ~Simulation();
+
+  void start(LoadedScene scene, GraspsChanged grasps_changed, TimeChanged time_changed);
+  /// Ends the thread; whoever waits is answered.
+  void stop();
+
+  /// Applied together, in order, up to the first refusal.
+  Reply apply(std::vector<Command> commands);
+  /// A collider that moves with its frame.
+  Reply attach(const Collider& collider, const Pose& frame_from_collider);
+  /// Does not wait; `done` hears the reply on the simulation thread.
+  void post(std::vector<Command> commands, Done done);
+  void post_attach(const Collider& collider, const Pose& frame_from_collider, Done done);
+
+  Reply pause(bool paused);
+  Reply reset();
+  Reply replace(LoadedScene scene);
+  /// Runs `steps` steps and returns when they are done. Refused while time runs by itself.
+  StepAnswer step(std::uint32_t steps);
+  Reply describe(std::string* text);
+  Reply snapshot(Snapshot* snapshot, ros::Time* stamp);
+  /// The model now running; changes with replace(). Does not wait.
+  std::shared_ptr<const Model> model() const;
+  double dt() const;
+
+ private:
+  struct StepRun;
+
+  void run();
+  void advance();
+  bool wants_to_step() const;
+  Reply apply_now(const Command& command);
+  Reply attach_now(const Collider& collider, const Pose& frame_from_collider);
+  Reply all_now(const std::vector<Command>& commands);
+  Reply start_steps(const std::shared_ptr<StepRun>& run);
+  void begin_world();
+  void note_grasps();
+  void end_steps(const Status& status);
+  void watch_speed(double cost, SpeedMeter::Clock::time_point began);
+  std::string description() const;
+  Instant run_state() const;
+
+  const Parameters parameters_;
+  Frames* frames_;
+  Warnings* warnings_;
+  RequestQueue queue_;
+  Pacer pacer_;
+  SpeedMeter speed_;
+  FrameFollower follower_;
+  Outputs outputs_;
+  GraspsChanged grasps_changed_;
+  TimeChanged time_changed_;
+
+  // Of the simulation thread.
+  LoadedScene scene_;
+  bool paused_;
+  std::string failure_;
+  bool behind_ = false;
+  double given_up_before_ = 0.0;
+  std::uint64_t version_ = 0;
+  std::shared_ptr<StepRun> steps_;
+
+  mutable std::mutex model_mutex_;
+  std::shared_ptr<const Model> model_;
+  double dt_ = 0.0;
+
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace deformable_sim

@@ -1,0 +1,120 @@
+#include "deformable_sim/ros/node.h"
+
+#include <chrono>
+#include <thread>
+
+#include <ros/callback_queue.h>
+#include <ros/console.h>
+#include <ros/init.h>
+#include <ros/master.h>
+#include <ros/spinner.h>
+#include <ros/this_node.h>
+#include <rosgraph_msgs/Clock.h>
+
+#include "deformable_sim/ros/commands.h"
+#include "deformable_sim/ros/convert.h"
+#include "deformable_sim/ros/topic_keeper.h"
+
+namespace deformable_sim {
+
+namespace {
+
+constexpr int kCallbackThreads = 6;  // some may wait: for tf, for steps, for a scene being built
+constexpr int kRefused = 2;
+
+/// roscpp ignores SIGINT while it waits for a master; waiting out here does not.
+void wait_for_master() {
+  for (int tries = 0; !ros::master::check(); ++tries) {
+    if (tries % 50 == 0) ROS_WARN_NAMED("master", "waiting for the ROS master at %s", ros::master::getURI().c_str());
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+}
+
+/// Two clocks would make time jump for everybody. Throws InputError.
+void check_no_other_clock() {
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return;
+  for (int i = 0; i < state[0].size(); ++i) {
+    if (std::string(state[0][i][0]) != "/clock") continue;
+    for (int j = 0; j < state[0][i][1].size(); ++j) {
+      const std::string node = state[0][i][1][j];
+      if (node == ros::this_node::getName()) continue;
+      throw InputError("parameter ~publish_clock: /clock is published by " + node + " already; one clock is allowed",
+                       Code::kUnavailable);
+    }
+  }
+}
+
+class Node {
+ public:
+  Node()
+      : nh_("~"), parameters_(read_parameters(nh_)), frames_(parameters_.frame_id, parameters_.tf_timeout),
+        simulation_(parameters_, &frames_, &warnings_), topics_(nh_, &simulation_, &frames_, &warnings_),
+        loader_(nh_, parameters_, &frames_,
+                [this](const std::string& grasp, const geometry_msgs::PoseStamped& target) { topics_.target(grasp, target); }),
+        services_(nh_, parameters_.frame_id, &simulation_, &frames_, &loader_) {}
+
+  void run() {
+    LoadedScene scene = loader_.from_file(parameters_.scene);
+    if (!ros::ok()) return;
+    if (parameters_.publish_clock) {
+      check_no_other_clock();
+      clock_ = nh_.advertise<rosgraph_msgs::Clock>("/clock", 10);
+    }
+    ros::AsyncSpinner spinner(kCallbackThreads);
+    services_.start();
+    topics_.start();
+    TopicKeeper keeper(services_.names());
+    const auto grasps_changed = [&](const std::vector<std::string>& names, std::shared_ptr<PublisherSet> publishers) {
+      keeper.post([this, names, publishers] {
+        for (const PublisherSet::Entry& entry : publishers->entries) entry.publisher->update(names);
+        topics_.update(names);
+      });
+    };
+    Simulation::TimeChanged time_changed;
+    if (parameters_.publish_clock) {
+      time_changed = [this](double time) {
+        rosgraph_msgs::Clock message;
+        message.clock.fromSec(time);
+        clock_.publish(message);
+      };
+    }
+    simulation_.start(std::move(scene), grasps_changed, time_changed);
+    spinner.start();
+    ROS_INFO_NAMED("simulation", "running");
+    ros::waitForShutdown();
+    simulation_.stop();
+    keeper.stop();
+    spinner.stop();
+  }
+
+ private:
+  ros::NodeHandle nh_;
+  Parameters parameters_;
+  Warnings warnings_;
+  Frames frames_;
+  Simulation simulation_;
+  CommandTopics topics_;
+  SceneLoader loader_;
+  Services services_;
+  ros::Publisher clock_;
+};
+
+}  // namespace
+
+int run_node(int argc, char** argv) {
+  ros::init(argc, argv, "deformable_sim");
+  wait_for_master();
+  const ros::NodeHandle keeps_logging_alive;
+  try {
+    Node node;
+    node.run();
+    return 0;
+  } catch (const InputError& error) {
+    ROS_FATAL_STREAM_NAMED("simulation", error.what());
+    return kRefused;
+  }
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,113 @@
+#include "deformable_sim/ros/obstacles.h"
+
+#include "deformable_sim/ros/convert.h"
+
+namespace deformable_sim {
+
+namespace {
+
+constexpr std::size_t kMostShapes = 1000;
+
+Shape to_shape(const shape_msgs::SolidPrimitive& primitive) {
+  using Primitive = shape_msgs::SolidPrimitive;
+  Shape shape;
+  std::size_t dimensions = 2;
+  switch (primitive.type) {
+    case Primitive::BOX:
+      shape.type = Shape::Type::kBox;
+      dimensions = 3;
+      break;
+    case Primitive::SPHERE:
+      shape.type = Shape::Type::kSphere;
+      dimensions = 1;
+      break;
+    case Primitive::CYLINDER: shape.type = Shape::Type::kCylinder; break;
+    case msg::Obstacle::CAPSULE: shape.type = Shape::Type::kCapsule; break;
+    default:
+      throw InputError("primitives.type: " + std::to_string(primitive.type) +
+                       ", allowed are BOX 1, SPHERE 2, CYLINDER 3, CAPSULE " + std::to_string(msg::Obstacle::CAPSULE));
+  }
+  if (primitive.dimensions.size() != dimensions) {
+    throw InputError("primitives.dimensions: " + std::to_string(primitive.dimensions.size()) + " given, this type has " +
+                     std::to_string(dimensions));
+  }
+  for (const double d : primitive.dimensions) to_non_negative(d, "primitives.dimensions");
+  if (dimensions == 2) {  // messages say height, radius
+    shape.size = Vec3(primitive.dimensions[1], primitive.dimensions[0], 0);
+  } else {
+    for (std::size_t i = 0; i < dimensions; ++i) shape.size[i] = primitive.dimensions[i];
+  }
+  return shape;
+}
+
+/// Frame of a plane: z along its normal, origin at the point nearest to the frame's.
+Pose to_pose(const shape_msgs::Plane& plane) {
+  const Vec3 normal(plane.coef[0], plane.coef[1], plane.coef[2]);
+  const double length = normal.norm();
+  if (!normal.allFinite() || !std::isfinite(plane.coef[3]) || length < 1e-9) {
+    throw InputError("planes: coefficients must be finite and the normal not zero");
+  }
+  const Vec3 n = normal / length;
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), n).toRotationMatrix();
+  pose.translation() = -plane.coef[3] / length * n;
+  return pose;
+}
+
+void check_sizes(const msg::Obstacle& m) {
+  if (!m.meshes.empty() || !m.mesh_poses.empty()) {
+    throw InputError("meshes: mesh obstacles are not in this version; boxes, spheres, cylinders, capsules and planes are",
+                     Code::kUnavailable);
+  }
+  if (m.primitives.size() + m.planes.size() > kMostShapes) {
+    throw InputError("primitives: " + std::to_string(m.primitives.size() + m.planes.size()) + " shapes, at most " +
+                         std::to_string(kMostShapes) + " are allowed",
+                     Code::kOutOfRange);
+  }
+}
+
+}  // namespace
+
+ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
+  check_name("name", m.name);
+  check_sizes(m);
+  if (m.primitives.size() != m.primitive_poses.size()) {
+    throw InputError("primitive_poses: " + std::to_string(m.primitive_poses.size()) + " for " +
+                     std::to_string(m.primitives.size()) + " primitives, one for each is needed");
+  }
+  if (m.primitives.empty() && m.planes.empty()) throw InputError("primitives: none, and no plane; an obstacle needs a shape");
+
+  ObstacleRequest request;
+  Collider& collider = request.collider;
+  collider.name = m.name;
+  collider.friction = to_non_negative(m.friction, "friction");
+  collider.frame = m.frame;
+  std::vector<Pose> poses;  // in header.frame_id
+  for (std::size_t i = 0; i < m.primitives.size(); ++i) {
+    collider.shapes.push_back(to_shape(m.primitives[i]));
+    poses.push_back(to_pose(m.primitive_poses[i], "primitive_poses"));
+  }
+  for (const shape_msgs::Plane& plane : m.planes) {
+    Shape shape;
+    shape.type = Shape::Type::kPlane;
+    collider.shapes.push_back(shape);
+    poses.push_back(to_pose(plane));
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) collider.shapes[i].collider_from_shape = poses[0].inverse() * poses[i];
+  collider.world_from_collider = frames->resolve(m.header.frame_id) * poses[0];
+  if (!m.frame.empty()) {
+    request.frame_from_collider = frames->resolve(m.frame).inverse() * collider.world_from_collider;
+  }
+  return request;
+}
+
+command::MoveCollider to_obstacle_move(const msg::Obstacle& m, Frames* frames) {
+  check_name("name", m.name);
+  if (m.primitive_poses.empty() && m.planes.empty()) {
+    throw InputError("primitive_poses: empty; MOVE needs the new pose of the first primitive (or the first plane)");
+  }
+  const Pose pose = m.primitive_poses.empty() ? to_pose(m.planes[0]) : to_pose(m.primitive_poses[0], "primitive_poses");
+  return {m.name, frames->resolve(m.header.frame_id) * pose, 0.0};
+}
+
+}  // namespace deformable_sim

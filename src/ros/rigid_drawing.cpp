@@ -1,0 +1,92 @@
+#include "deformable_sim/ros/rigid_drawing.h"
+
+#include "deformable_sim/ros/convert.h"
+
+namespace deformable_sim {
+
+namespace {
+
+using visualization_msgs::Marker;
+
+constexpr double kPlaneSize = 10.0;        // m
+constexpr double kPlaneThickness = 0.002;  // m
+constexpr double kBall = 0.02;             // m
+constexpr double kLetter = 0.03;           // m
+constexpr std::array<float, 3> kSolid{{0.55f, 0.58f, 0.62f}};
+
+Marker solid(int type, const Pose& pose, const Vec3& size, const std::array<float, 3>& color) {
+  Marker marker;
+  marker.type = type;
+  marker.pose = to_message(pose);
+  marker.scale = to_vector(size);
+  marker.color.r = color[0];
+  marker.color.g = color[1];
+  marker.color.b = color[2];
+  marker.color.a = 1.0f;
+  return marker;
+}
+
+void add_shape(const Shape& shape, const Pose& pose, std::vector<Marker>* markers) {
+  const double diameter = 2.0 * shape.size.x();
+  const Vec3 round(diameter, diameter, diameter);
+  const auto shifted = [&](double z) -> Pose { return pose * Eigen::Translation3d(0, 0, z); };
+  switch (shape.type) {
+    case Shape::Type::kBox:
+      markers->push_back(solid(Marker::CUBE, pose, shape.size, kSolid));
+      break;
+    case Shape::Type::kSphere:
+      markers->push_back(solid(Marker::SPHERE, pose, round, kSolid));
+      break;
+    case Shape::Type::kCapsule:
+      markers->push_back(solid(Marker::SPHERE, shifted(0.5 * shape.size.y()), round, kSolid));
+      markers->push_back(solid(Marker::SPHERE, shifted(-0.5 * shape.size.y()), round, kSolid));
+      [[fallthrough]];
+    case Shape::Type::kCylinder:
+      markers->push_back(solid(Marker::CYLINDER, pose, Vec3(diameter, diameter, shape.size.y()), kSolid));
+      break;
+    case Shape::Type::kPlane:
+      markers->push_back(solid(Marker::CUBE, shifted(-0.5 * kPlaneThickness), Vec3(kPlaneSize, kPlaneSize, kPlaneThickness),
+                               {{0.42f, 0.42f, 0.40f}}));
+      break;
+  }
+}
+
+void number(const std::string& ns, std::vector<Marker>* markers) {
+  for (std::size_t i = 0; i < markers->size(); ++i) {
+    (*markers)[i].ns = ns;
+    (*markers)[i].id = static_cast<int>(i);
+  }
+}
+
+std::array<float, 3> color_of(GraspPhase phase) {
+  switch (phase) {
+    case GraspPhase::kHolding: return {{0.15f, 0.75f, 0.25f}};
+    case GraspPhase::kSlipped: return {{0.85f, 0.15f, 0.1f}};
+    case GraspPhase::kWaitingForFrame: return {{0.95f, 0.6f, 0.1f}};
+  }
+  return {{1, 1, 1}};
+}
+
+}  // namespace
+
+std::vector<Marker> collider_markers(const Collider& collider) {
+  std::vector<Marker> markers;
+  for (const Shape& shape : collider.shapes) {
+    add_shape(shape, collider.world_from_collider * shape.collider_from_shape, &markers);
+  }
+  number("collider/" + collider.name, &markers);
+  return markers;
+}
+
+std::vector<Marker> grasp_markers(const GraspReport& grasp) {
+  Pose above = Pose::Identity();
+  above.translation() = grasp.world_from_grasp.translation() + Vec3(0, 0, 2.0 * kBall);
+  std::vector<Marker> markers{
+      solid(Marker::SPHERE, grasp.world_from_grasp, Vec3(kBall, kBall, kBall), color_of(grasp.phase)),
+      solid(Marker::TEXT_VIEW_FACING, above, Vec3(0, 0, kLetter), {{0.1f, 0.1f, 0.1f}})};
+  markers[1].text = grasp.name;
+  number("grasp/" + grasp.name, &markers);
+  return markers;
+}
+
+}  // namespace deformable_sim

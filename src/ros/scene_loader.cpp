@@ -1,0 +1,73 @@
+#include "deformable_sim/ros/scene_loader.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include <ros/this_node.h>
+
+#include "deformable_sim/ros/convert.h"
+#include "deformable_sim/ros/robot_links.h"
+#include "deformable_sim/scene/build.h"
+#include "deformable_sim/scene/load.h"
+
+namespace deformable_sim {
+
+namespace {
+
+constexpr std::size_t kLongestText = 16u << 20;  // bytes
+
+/// Colliders given relative to a frame enter the world when tf says where that is.
+std::vector<Collider> take_attached(SceneSpec* spec) {
+  const auto begin = std::stable_partition(spec->colliders.begin(), spec->colliders.end(),
+                                           [](const ColliderSpec& c) { return c.collider.frame.empty(); });
+  std::vector<Collider> attached;
+  std::transform(begin, spec->colliders.end(), std::back_inserter(attached), [](const ColliderSpec& c) { return c.collider; });
+  spec->colliders.erase(begin, spec->colliders.end());
+  return attached;
+}
+
+}  // namespace
+
+SceneLoader::SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames, Drag drag_grasp)
+    : private_nh_(private_nh), parameters_(parameters), frames_(frames), drag_grasp_(std::move(drag_grasp)) {}
+
+LoadedScene SceneLoader::from_file(const std::string& file) const {
+  return build(load_scene_file(find_scene(file, parameters_.scene_dir)));
+}
+
+LoadedScene SceneLoader::from_text(const std::string& yaml) const {
+  if (yaml.size() > kLongestText) throw InputError("yaml: longer than 16 MiB", Code::kOutOfRange);
+  return build(load_scene_text(yaml, "yaml"));
+}
+
+LoadedScene SceneLoader::build(SceneSpec spec) const {
+  LoadedScene scene;
+  scene.attached = take_attached(&spec);
+  if (spec.robot.present) {
+    std::string urdf, key;
+    if (!private_nh_.searchParam("robot_description", key) || !private_nh_.getParam(key, urdf)) {
+      throw InputError("robot: the scene collides with a robot, but there is no parameter robot_description",
+                       Code::kUnavailable);
+    }
+    for (Collider& link : robot_links(urdf, spec.robot)) scene.attached.push_back(std::move(link));
+  }
+  const bool follows = std::any_of(spec.grasps.begin(), spec.grasps.end(),
+                                   [](const GraspSpec& grasp) { return !grasp.request.follow_frame.empty(); });
+  if (!scene.attached.empty() || follows) frames_->open();
+  scene.world = build_world(spec);
+
+  PublisherContext context;
+  context.private_nh = private_nh_;
+  context.frame_id = parameters_.frame_id;
+  context.node_name = ros::this_node::getName().substr(1);
+  context.model = scene.world->shared_model();
+  if (parameters_.clock == ClockMode::kRealTime && !parameters_.publish_clock) context.loaded = ros::Time::now();
+  context.outputs = spec.outputs;
+  context.drag_grasp = drag_grasp_;
+  scene.publishers = make_publishers(context, parameters_);
+  scene.spec = std::move(spec);
+  return scene;
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,349 @@
+#include "deformable_sim/ros/simulation.h"
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+#include <ros/console.h>
+#include <ros/init.h>
+
+namespace deformable_sim {
+
+namespace {
+
+constexpr double kDeadline = 5.0;        // s (wall) until a request that nobody gets to is taken back
+constexpr double kIdleWait = 0.1;        // s: how soon a newcomer sees a paused world
+constexpr double kUnshownWait = 0.005;   // s
+constexpr double kToleratedLoss = 0.02;  // of simulated time, before real time counts as not held
+
+double seconds_since(SpeedMeter::Clock::time_point begin) {
+  return std::chrono::duration<double>(SpeedMeter::Clock::now() - begin).count();
+}
+
+Reply refused(Code code, const std::string& message) {
+  Reply reply;
+  reply.status = {code, message};
+  return reply;
+}
+
+}  // namespace
+
+/// Steps that somebody waits for.
+struct Simulation::StepRun {
+  std::uint32_t wanted = 0;
+  std::mutex mutex;
+  std::condition_variable finished;
+  bool done = false;
+  StepAnswer answer;
+};
+
+Simulation::Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings)
+    : parameters_(parameters), frames_(frames), warnings_(warnings), pacer_(parameters.clock, parameters.publish_clock),
+      follower_(*frames, warnings), paused_(parameters.start_paused) {}
+
+Simulation::~Simulation() { stop(); }
+
+void Simulation::start(LoadedScene scene, GraspsChanged grasps_changed, TimeChanged time_changed) {
+  grasps_changed_ = std::move(grasps_changed);
+  time_changed_ = std::move(time_changed);
+  scene_ = std::move(scene);
+  begin_world();
+  thread_ = std::thread([this] { run(); });
+}
+
+void Simulation::stop() {
+  stopping_ = true;
+  queue_.close();
+  if (thread_.joinable()) thread_.join();
+}
+
+Reply Simulation::apply(std::vector<Command> commands) {
+  return queue_.call([this, commands = std::move(commands)] { return all_now(commands); }, kDeadline);
+}
+
+void Simulation::post(std::vector<Command> commands, Done done) {
+  queue_.post([this, commands = std::move(commands)] { return all_now(commands); }, std::move(done));
+}
+
+Reply Simulation::attach(const Collider& collider, const Pose& frame_from_collider) {
+  return queue_.call([=] { return attach_now(collider, frame_from_collider); }, kDeadline);
+}
+
+void Simulation::post_attach(const Collider& collider, const Pose& frame_from_collider, Done done) {
+  queue_.post([=] { return attach_now(collider, frame_from_collider); }, std::move(done));
+}
+
+Reply Simulation::pause(bool paused) {
+  return queue_.call(
+      [this, paused] {
+        if (!paused && !failure_.empty()) {
+          return refused(Code::kUnavailable, "the simulation failed (" + failure_ + "); ~reset or ~load_scene first");
+        }
+        if (!paused && paused_) pacer_.restart(scene_.world->time());
+        paused_ = paused;
+        ++version_;
+        return Reply();
+      },
+      kDeadline);
+}
+
+Reply Simulation::reset() {
+  return queue_.call(
+      [this] {
+        end_steps({Code::kUnavailable, "the simulation was reset"});
+        return apply_now(command::Reset{});
+      },
+      kDeadline);
+}
+
+Reply Simulation::replace(LoadedScene scene) {
+  // The old world is destroyed here, not on the simulation thread.
+  const auto box = std::make_shared<LoadedScene>(std::move(scene));
+  return queue_.call(
+      [this, box] {
+        end_steps({Code::kUnavailable, "another scene was loaded"});
+        std::swap(scene_, *box);
+        begin_world();
+        return Reply();
+      },
+      kDeadline);
+}
+
+Simulation::StepAnswer Simulation::step(std::uint32_t steps) {
+  const auto run = std::make_shared<StepRun>();
+  run->wanted = steps;
+  const Reply reply = queue_.call([this, run] { return start_steps(run); }, kDeadline);
+  if (!reply.status.ok()) {
+    StepAnswer answer;
+    answer.status = reply.status;
+    return answer;
+  }
+  std::unique_lock<std::mutex> lock(run->mutex);
+  run->finished.wait(lock, [&] { return run->done; });
+  return run->answer;
+}
+
+Reply Simulation::describe(std::string* text) {
+  return queue_.call(
+      [this, text] {
+        *text = description();
+        return Reply();
+      },
+      kDeadline);
+}
+
+Reply Simulation::snapshot(Snapshot* snapshot, ros::Time* stamp) {
+  return queue_.call(
+      [this, snapshot, stamp] {
+        *snapshot = scene_.world->snapshot();
+        *stamp = pacer_.stamp(snapshot->time);
+        return Reply();
+      },
+      kDeadline);
+}
+
+std::shared_ptr<const Model> Simulation::model() const {
+  const std::lock_guard<std::mutex> lock(model_mutex_);
+  return model_;
+}
+
+double Simulation::dt() const {
+  const std::lock_guard<std::mutex> lock(model_mutex_);
+  return dt_;
+}
+
+// --- The simulation thread from here on. -----------------------------------------------------------------------------
+
+void Simulation::run() {
+  // roscpp shuts down under a service that still waits, and waits for it in turn: answer it.
+  while (!stopping_ && !ros::isShuttingDown()) {
+    queue_.run();
+    if (wants_to_step()) {
+      const double wait = steps_ ? 0.0 : pacer_.seconds_until_due(scene_.world->time());
+      if (wait > 0.0) {
+        queue_.wait(wait);
+      } else {
+        advance();
+      }
+      continue;
+    }
+    speed_.pause();
+    const bool unshown = outputs_.offer(*scene_.world, version_, Outputs::Motion::kIdle, [this] { return run_state(); });
+    queue_.wait(unshown ? kUnshownWait : kIdleWait);
+  }
+  queue_.close();
+  end_steps({Code::kUnavailable, "the node is shutting down"});
+}
+
+bool Simulation::wants_to_step() const {
+  if (!failure_.empty()) return false;
+  return steps_ || (!paused_ && parameters_.clock != ClockMode::kOnDemand);
+}
+
+void Simulation::advance() {
+  const auto began = SpeedMeter::Clock::now();
+  follower_.update(scene_.world.get());
+  StepOutcome outcome;
+  try {
+    outcome = scene_.world->step();
+  } catch (const std::exception& error) {
+    outcome.ok = false;
+    outcome.message = error.what();
+  }
+  ++version_;
+  if (!outcome.ok) {
+    failure_ = outcome.message.empty() ? "no finite state" : outcome.message;
+    warnings_->set("failure", "stopped on the last good state: " + failure_);
+    ROS_ERROR_STREAM_NAMED("simulation", "stopped on the last good state at " << scene_.world->time() << " s: " << failure_
+                                                                             << "; ~reset or ~load_scene recovers");
+    end_steps({Code::kInternal, failure_});
+    return;
+  }
+  watch_speed(seconds_since(began), began);
+  if (time_changed_) time_changed_(scene_.world->time());
+  if (steps_ && ++steps_->answer.steps >= steps_->wanted) end_steps(Status());
+  outputs_.offer(*scene_.world, version_, Outputs::Motion::kRunning, [this] { return run_state(); });
+}
+
+void Simulation::watch_speed(double cost, SpeedMeter::Clock::time_point began) {
+  if (!speed_.step(scene_.world->settings().dt, began, cost)) return;
+  const double lost = pacer_.given_up() - given_up_before_;
+  given_up_before_ = pacer_.given_up();
+  behind_ = parameters_.clock == ClockMode::kRealTime && lost > kToleratedLoss;
+  if (!behind_) {
+    warnings_->clear("behind");
+    return;
+  }
+  std::ostringstream text;
+  text.precision(2);
+  text << "real time is not held: factor " << std::fixed << speed_.factor() << ", a step of " << scene_.world->settings().dt * 1e3
+       << " ms takes " << speed_.mean_step_seconds() * 1e3 << " ms (longest " << speed_.longest_step_seconds() * 1e3 << " ms)";
+  warnings_->set("behind", text.str());
+  ROS_WARN_STREAM_THROTTLE_NAMED(10.0, "real_time", text.str());
+}
+
+Reply Simulation::all_now(const std::vector<Command>& commands) {
+  Reply all;
+  for (const Command& command : commands) {
+    Reply reply = apply_now(command);
+    if (!reply.status.ok()) return reply;
+    if (all.nodes.empty()) all.nodes = std::move(reply.nodes);
+    if (!reply.note.empty()) all.note += (all.note.empty() ? "" : "; ") + reply.note;
+  }
+  return all;
+}
+
+Reply Simulation::apply_now(const Command& command) {
+  std::string moved;
+  if (const auto* move = std::get_if<command::MoveGrasp>(&command)) moved = move->name;
+  if (const auto* move = std::get_if<command::MoveCollider>(&command)) moved = move->name;
+  const std::string frame = moved.empty() ? "" : follower_.frame_of(moved);
+  if (!frame.empty()) {
+    return refused(Code::kInvalidArgument, "'" + moved + "' follows tf frame " + frame + " and takes no targets");
+  }
+  const Reply reply = scene_.world->apply(command);
+  if (!reply.status.ok()) return reply;
+  ++version_;
+  follower_.applied(command);
+  if (std::holds_alternative<command::Grasp>(command) || std::holds_alternative<command::Release>(command)) note_grasps();
+  if (std::holds_alternative<command::Reset>(command)) begin_world();
+  return reply;
+}
+
+Reply Simulation::attach_now(const Collider& collider, const Pose& frame_from_collider) {
+  const Reply reply = scene_.world->apply(command::AddCollider{collider});
+  if (!reply.status.ok()) return reply;
+  ++version_;
+  follower_.attach(collider, frame_from_collider);
+  return reply;
+}
+
+Reply Simulation::start_steps(const std::shared_ptr<StepRun>& run) {
+  if (!failure_.empty()) {
+    return refused(Code::kUnavailable, "the simulation failed (" + failure_ + "); ~reset or ~load_scene first");
+  }
+  if (!paused_ && parameters_.clock != ClockMode::kOnDemand) {
+    return refused(Code::kUnavailable, "time runs by itself; ~pause first, or start the node with clock: on_demand");
+  }
+  if (steps_) return refused(Code::kUnavailable, "another ~step is being made");
+  steps_ = run;
+  return Reply();
+}
+
+void Simulation::end_steps(const Status& status) {
+  if (!steps_) return;
+  const std::shared_ptr<StepRun> run = std::exchange(steps_, nullptr);
+  const std::lock_guard<std::mutex> lock(run->mutex);
+  run->answer.time = scene_.world->time();
+  run->answer.status = status;
+  run->done = true;
+  run->finished.notify_all();
+}
+
+/// After a scene was loaded or reset: simulated time is 0 again.
+void Simulation::begin_world() {
+  {
+    const std::lock_guard<std::mutex> lock(model_mutex_);
+    model_ = scene_.world->shared_model();
+    dt_ = scene_.world->settings().dt;
+  }
+  failure_.clear();
+  warnings_->clear("failure");
+  outputs_.use(scene_.publishers);
+  if (pacer_.stamp(0.0).isZero()) frames_->forget();
+  pacer_.restart(scene_.world->time());
+  speed_.pause();
+  ++version_;
+  follower_.begin(scene_.attached, scene_.world->snapshot().grasps);
+  note_grasps();
+  if (time_changed_) time_changed_(scene_.world->time());
+}
+
+void Simulation::note_grasps() {
+  std::vector<std::string> names;
+  for (const GraspReport& grasp : scene_.world->snapshot().grasps) names.push_back(grasp.name);
+  grasps_changed_(names, scene_.publishers);
+}
+
+Instant Simulation::run_state() const {
+  Instant instant;
+  instant.stamp = pacer_.stamp(scene_.world->time());
+  instant.paused = paused_ || !failure_.empty();
+  instant.failure = failure_;
+  instant.behind = behind_;
+  instant.real_time_factor = speed_.factor();
+  instant.mean_step_seconds = speed_.mean_step_seconds();
+  instant.longest_step_seconds = speed_.longest_step_seconds();
+  instant.warnings = warnings_->list();
+  return instant;
+}
+
+std::string Simulation::description() const {
+  const World& world = *scene_.world;
+  std::ostringstream text;
+  text << "scene: " << (scene_.spec.file.empty() ? "(text)" : scene_.spec.file);
+  if (!scene_.spec.title.empty()) text << "\ntitle: " << scene_.spec.title;
+  text << "\nclock: " << to_string(parameters_.clock) << "\ntime: " << world.time() << " s\nsteps: " << world.step_count()
+       << "\nstep: " << world.settings().dt << " s, " << world.settings().integrator << "\nstate: "
+       << (!failure_.empty() ? "failed: " + failure_ : wants_to_step() ? "running" : "paused")
+       << "\nreal-time factor: " << speed_.factor() << "\nsnapshots: " << outputs_.snapshot_count();
+  for (const Body& body : world.model().bodies) {
+    text << "\nbody: " << body.name << " (" << (body.kind == BodyKind::kCloth ? "cloth" : "rope") << ", " << body.node_count
+         << " nodes)";
+  }
+  const Snapshot now = world.snapshot();
+  for (const GraspReport& grasp : now.grasps) {
+    text << "\ngrasp: " << grasp.name << " (" << grasp.body << ", " << grasp.nodes.size() << " nodes"
+         << (grasp.follow_frame.empty() ? "" : ", follows " + grasp.follow_frame) << ")";
+  }
+  for (const Collider& collider : now.colliders) {
+    text << "\nobstacle: " << collider.name << " (" << collider.shapes.size() << " shapes, at "
+         << collider.world_from_collider.translation().transpose() << ")";
+  }
+  for (const BillItem& item : world.bill()) {
+    text << "\nbill: " << item.part << ", " << item.detail << ", " << 100.0 * item.share << " % of the step";
+  }
+  return text.str();
+}
+
+}  // namespace deformable_sim
