@@ -18,6 +18,9 @@ constexpr double kFurthest = 1e6;         // m: beyond this a state counts as di
 constexpr double kGrossResidual = 100.0;  // m/s^2: an implicit step this far off is tried again in two parts
 constexpr double kDiverged = 1e6;         // m/s^2: such a step is no solution at all
 constexpr int kMaxWidenings = 4;
+constexpr double kViolation = 0.0005;  // m: contacts that end so far inside are tried again in shorter parts
+constexpr double kLost = 0.005;        // m: the same, as often as it takes
+constexpr int kMaxRefinements = 2;
 
 void check_settings(const WorldSettings& s) {
   if (!std::isfinite(s.dt) || s.dt <= 0.0 || s.dt > 1.0) throw InputError("dt must be > 0 and at most 1 s");
@@ -159,10 +162,11 @@ void World::Parts::integrate_with_contacts(double h) {
     start = cpu_seconds();
     const double missed = contacts->missed_motion(part_state.x, state.x);
     cost.contact += cpu_seconds() - start;
-    if (missed == 0.0 || widening == kMaxWidenings) return;
+    if (missed == 0.0 || widening == kMaxWidenings) break;
     extra_reach += missed;
     state = part_state;
   }
+  violation = std::max(violation, contacts->violation(state.x, dynamics.contacts));
 }
 
 bool World::Parts::advance(double h, double fraction) {
@@ -185,10 +189,19 @@ bool World::Parts::advance(double h, double fraction) {
 
 bool World::Parts::try_step(int parts) {
   report = StepReport();
+  violation = 0.0;
   grasps.clear_wrenches();
   for (int i = 0; i < parts; ++i)
     if (!advance(settings.dt / parts, 1.0 / parts)) return false;
   return true;
+}
+
+bool World::Parts::is_poor(int refinement) const {
+  // What an implicit contact gives way shrinks with the square of the part. A point far behind its plane is about to be
+  // lost on the other side: worth more.
+  if (violation > kLost) return refinement < kMaxHalvings;
+  if (violation > kViolation) return refinement < kMaxRefinements;
+  return refinement == 0 && !report.converged && report.residual > kGrossResidual;
 }
 
 World::World(std::shared_ptr<const Model> model, WorldSettings settings, std::vector<Collider> colliders,
@@ -202,9 +215,9 @@ StepOutcome World::step() {
   const int wanted = w.wanted_parts();
   w.substeps = wanted;
   bool ok = w.try_step(w.substeps);
-  if (ok && !w.report.converged && w.report.residual > kGrossResidual) {
+  for (int refinement = 0; ok && w.is_poor(refinement); ++refinement) {
     w.restore_last_good();
-    w.substeps = 2 * wanted;
+    w.substeps *= 2;
     ok = w.try_step(w.substeps);
   }
   for (int halvings = 1; !ok && halvings <= kMaxHalvings; ++halvings) {

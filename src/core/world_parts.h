@@ -47,7 +47,8 @@ struct World::Parts {
   StepReport report;
   int substeps = 1;
   double max_penetration = 0.0;
-  std::string failure;  // why the last step could not be made
+  double violation = 0.0;  // m, of the worst contact in any part of the step
+  std::string failure;     // why the last step could not be made
   CostWindow cost, last_cost;
 
   // Largest stable step of an explicit scheme, s, and how many steps ago it was measured; infinite for implicit ones.
@@ -74,6 +75,8 @@ struct World::Parts {
   void integrate_with_contacts(double h);
   void integrate(double h);
   bool state_is_sane() const;
+  /// A finite step that had better be made again in shorter parts; `refinement` = how often that was done.
+  bool is_poor(int refinement) const;
   /// Parts that this step needs: 1, or more for an explicit scheme past its stability limit.
   int wanted_parts();
   std::vector<std::string> warnings() const;

@@ -4,10 +4,10 @@
 // config/demo) as joint states; robot_state_publisher turns them into tf; and at the waypoints that say so it calls the
 // simulation's services `grasp` (with follow_frame: the gripper's frame) and `release`.
 //
-//   robot_demo           plays the motion once
+//   robot_demo           plays the motion once, then holds still
 //   robot_demo --check   only says whether the robot can do it
 //
-// Exit codes: 0 done, 1 the simulation refused or did not answer, 2 the motion or the robot was refused.
+// Exit codes: 0 told to end, 1 the simulation refused or did not answer, 2 the motion or the robot was refused.
 #include <algorithm>
 #include <iostream>
 
@@ -38,7 +38,7 @@ class Demo {
     release_ = node_.serviceClient<deformable_sim::Release>(simulation + "/release");
   }
 
-  /// True when the motion was played to its end.
+  /// Plays the motion, then holds still until it is told to end. False when the simulation refused.
   bool run() {
     if (!wait_for_simulation()) return false;
     size_t sample = 0;
@@ -55,7 +55,11 @@ class Demo {
       }
       if (!arrive(motion_.steps[i], sample)) return false;
     }
-    return ros::ok();
+    while (ros::ok()) {
+      show(sample);
+      wait_a_sample();
+    }
+    return true;
   }
 
  private:

@@ -62,7 +62,8 @@ void add_vertex(const Eigen::Vector3f& at, const Color& color, visualization_msg
   marker->colors.push_back(shade);
 }
 
-void draw_sheet(const Snapshot& snapshot, const Body& body, std::vector<Color> colors, visualization_msgs::Marker* marker) {
+void draw_sheet(const Snapshot& snapshot, const Body& body, std::vector<Color> colors,
+                visualization_msgs::Marker* marker) {
   const Eigen::Matrix3Xf normals = node_normals(body, snapshot.x);
   const Eigen::Matrix3Xf x = snapshot.x.middleCols(body.first_node, body.node_count).cast<float>();
   for (int i = 0; i < body.node_count; ++i) colors[i] *= light(normals.col(i));

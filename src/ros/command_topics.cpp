@@ -14,7 +14,8 @@ constexpr int kTargetQueue = 1;  // streamed: only the newest counts
 
 }  // namespace
 
-CommandTopics::CommandTopics(const ros::NodeHandle& private_nh, Simulation* simulation, Frames* frames, Warnings* warnings)
+CommandTopics::CommandTopics(const ros::NodeHandle& private_nh, Simulation* simulation, Frames* frames,
+                             Warnings* warnings)
     : nh_(private_nh), simulation_(simulation), frames_(frames), warnings_(warnings) {}
 
 void CommandTopics::start() {

@@ -12,7 +12,9 @@ namespace {
 constexpr double kLongestPeriod = 0.2;  // s: slower transforms are followed in moves of this length
 constexpr double kMissedPeriods = 3.0;  // a frame may skip some before it counts as lost
 
-bool same(const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); }
+bool same(const Pose& a, const Pose& b) {
+  return a.matrix() == b.matrix();
+}
 
 }  // namespace
 
@@ -124,7 +126,8 @@ void FrameFollower::check_age(World* world, Follower* follower) {
     return;
   }
   if (follower->last.stamp.isZero()) return;  // static
-  // Lost only if both clocks say so: on demand, wall time passes between steps; as fast as possible, simulated time flies.
+  // Lost only if both clocks say so: on demand, wall time passes between steps; as fast as possible, simulated time
+  // flies.
   const double limit = frames_.timeout() + kMissedPeriods * follower->period;
   const double wall = std::chrono::duration<double>(Clock::now() - follower->seen_at_wall).count();
   const double simulated = world->time() - follower->seen_at;
@@ -138,7 +141,8 @@ void FrameFollower::set_waiting(World* world, Follower* follower, bool waiting) 
   const std::string key = "frame of " + follower->name;
   if (!waiting) {
     warnings_->clear(key);
-    ROS_INFO_STREAM_THROTTLE_NAMED(1.0, "frames", "tf frame " << follower->frame << " is back: " << follower->name << " follows");
+    ROS_INFO_STREAM_THROTTLE_NAMED(1.0, "frames",
+                                   "tf frame " << follower->frame << " is back: " << follower->name << " follows");
     return;
   }
   if (!follower->seen) return;  // said once for all by report_unseen()

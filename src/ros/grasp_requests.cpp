@@ -12,11 +12,21 @@ namespace {
 Selection to_selection(const msg::GraspSelection& message, Frames* frames) {
   Selection selection;
   switch (message.method) {
-    case msg::GraspSelection::NEAREST: selection.method = SelectionMethod::kNearest; break;
-    case msg::GraspSelection::RADIUS: selection.method = SelectionMethod::kRadius; break;
-    case msg::GraspSelection::BOX: selection.method = SelectionMethod::kBox; break;
-    case msg::GraspSelection::NODES: selection.method = SelectionMethod::kNodes; break;
-    case msg::GraspSelection::FEATURE: selection.method = SelectionMethod::kFeature; break;
+    case msg::GraspSelection::NEAREST:
+      selection.method = SelectionMethod::kNearest;
+      break;
+    case msg::GraspSelection::RADIUS:
+      selection.method = SelectionMethod::kRadius;
+      break;
+    case msg::GraspSelection::BOX:
+      selection.method = SelectionMethod::kBox;
+      break;
+    case msg::GraspSelection::NODES:
+      selection.method = SelectionMethod::kNodes;
+      break;
+    case msg::GraspSelection::FEATURE:
+      selection.method = SelectionMethod::kFeature;
+      break;
     default:
       throw InputError("selection.method: " + std::to_string(message.method) +
                        ", allowed are NEAREST 0, RADIUS 1, BOX 2, NODES 3, FEATURE 4");
@@ -25,9 +35,9 @@ Selection to_selection(const msg::GraspSelection& message, Frames* frames) {
     selection.world_from_selection = to_world_pose(message.pose, "selection.pose", frames);
   }
   selection.radius = to_non_negative(message.radius, "selection.radius");
-  selection.size = Vec3(to_non_negative(message.size.x, "selection.size.x"),
-                        to_non_negative(message.size.y, "selection.size.y"),
-                        to_non_negative(message.size.z, "selection.size.z"));
+  selection.size =
+      Vec3(to_non_negative(message.size.x, "selection.size.x"), to_non_negative(message.size.y, "selection.size.y"),
+           to_non_negative(message.size.z, "selection.size.z"));
   if (message.nodes.size() > kMaxNodes) throw InputError("selection.nodes: too many", Code::kOutOfRange);
   for (const std::uint32_t node : message.nodes) {
     if (node > static_cast<std::uint32_t>(INT_MAX)) {
@@ -70,7 +80,8 @@ std::vector<Command> to_commands(const msg::GraspCommand& m, Frames* frames) {
   std::vector<Command> commands;
   switch (m.action) {
     case msg::GraspCommand::GRASP:
-      commands.push_back(to_grasp(m.name, m.body, m.selection, m.follow_frame, m.max_force, m.max_speed, m.stiffness, frames));
+      commands.push_back(
+          to_grasp(m.name, m.body, m.selection, m.follow_frame, m.max_force, m.max_speed, m.stiffness, frames));
       if (!m.target.header.frame_id.empty() && m.follow_frame.empty()) {
         commands.push_back(command::MoveGrasp{m.name, to_world_pose(m.target, "target", frames), 0.0});
       }

@@ -52,8 +52,8 @@ void register_again(const std::vector<std::string>& services) {
   for (const std::string& topic : topics) {
     if (call("registerSubscriber", &answer, topic, std::string("*"), uri)) tell_publishers(topic, answer);
   }
-  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +
-                                  std::to_string(ros::ConnectionManager::instance()->getTCPPort());
+  const std::string service_uri =
+      "rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort());
   std::vector<std::string> all = services;
   all.push_back(ros::this_node::getName() + "/get_loggers");
   all.push_back(ros::this_node::getName() + "/set_logger_level");
@@ -64,7 +64,8 @@ void register_again(const std::vector<std::string>& services) {
 
 void MasterWatch::check(const std::vector<std::string>& services) {
   if (!ros::master::check()) {
-    if (!lost_) ROS_WARN_NAMED("master", "the ROS master is gone; the simulation goes on and registers again when it is back");
+    if (!lost_)
+      ROS_WARN_NAMED("master", "the ROS master is gone; the simulation goes on and registers again when it is back");
     lost_ = true;
     return;
   }

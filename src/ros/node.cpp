@@ -49,10 +49,15 @@ void check_no_other_clock() {
 class Node {
  public:
   Node()
-      : nh_("~"), parameters_(read_parameters(nh_)), frames_(parameters_.frame_id, parameters_.tf_timeout),
-        simulation_(parameters_, &frames_, &warnings_), topics_(nh_, &simulation_, &frames_, &warnings_),
+      : nh_("~"),
+        parameters_(read_parameters(nh_)),
+        frames_(parameters_.frame_id, parameters_.tf_timeout),
+        simulation_(parameters_, &frames_, &warnings_),
+        topics_(nh_, &simulation_, &frames_, &warnings_),
         loader_(nh_, parameters_, &frames_,
-                [this](const std::string& grasp, const geometry_msgs::PoseStamped& target) { topics_.target(grasp, target); }),
+                [this](const std::string& grasp, const geometry_msgs::PoseStamped& target) {
+                  topics_.target(grasp, target);
+                }),
         services_(nh_, parameters_.frame_id, &simulation_, &frames_, &loader_) {}
 
   void run() {
@@ -114,6 +119,9 @@ int run_node(int argc, char** argv) {
   } catch (const InputError& error) {
     ROS_FATAL_STREAM_NAMED("simulation", error.what());
     return kRefused;
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM_NAMED("simulation", error.what());
+    return 1;
   }
 }
 

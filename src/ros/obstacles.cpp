@@ -21,15 +21,19 @@ Shape to_shape(const shape_msgs::SolidPrimitive& primitive) {
       shape.type = Shape::Type::kSphere;
       dimensions = 1;
       break;
-    case Primitive::CYLINDER: shape.type = Shape::Type::kCylinder; break;
-    case msg::Obstacle::CAPSULE: shape.type = Shape::Type::kCapsule; break;
+    case Primitive::CYLINDER:
+      shape.type = Shape::Type::kCylinder;
+      break;
+    case msg::Obstacle::CAPSULE:
+      shape.type = Shape::Type::kCapsule;
+      break;
     default:
       throw InputError("primitives.type: " + std::to_string(primitive.type) +
                        ", allowed are BOX 1, SPHERE 2, CYLINDER 3, CAPSULE " + std::to_string(msg::Obstacle::CAPSULE));
   }
   if (primitive.dimensions.size() != dimensions) {
-    throw InputError("primitives.dimensions: " + std::to_string(primitive.dimensions.size()) + " given, this type has " +
-                     std::to_string(dimensions));
+    throw InputError("primitives.dimensions: " + std::to_string(primitive.dimensions.size()) +
+                     " given, this type has " + std::to_string(dimensions));
   }
   for (const double d : primitive.dimensions) to_non_negative(d, "primitives.dimensions");
   if (dimensions == 2) {  // messages say height, radius
@@ -56,8 +60,9 @@ Pose to_pose(const shape_msgs::Plane& plane) {
 
 void check_sizes(const msg::Obstacle& m) {
   if (!m.meshes.empty() || !m.mesh_poses.empty()) {
-    throw InputError("meshes: mesh obstacles are not in this version; boxes, spheres, cylinders, capsules and planes are",
-                     Code::kUnavailable);
+    throw InputError(
+        "meshes: mesh obstacles are not in this version; boxes, spheres, cylinders, capsules and planes are",
+        Code::kUnavailable);
   }
   if (m.primitives.size() + m.planes.size() > kMostShapes) {
     throw InputError("primitives: " + std::to_string(m.primitives.size() + m.planes.size()) + " shapes, at most " +
@@ -75,7 +80,8 @@ ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
     throw InputError("primitive_poses: " + std::to_string(m.primitive_poses.size()) + " for " +
                      std::to_string(m.primitives.size()) + " primitives, one for each is needed");
   }
-  if (m.primitives.empty() && m.planes.empty()) throw InputError("primitives: none, and no plane; an obstacle needs a shape");
+  if (m.primitives.empty() && m.planes.empty())
+    throw InputError("primitives: none, and no plane; an obstacle needs a shape");
 
   ObstacleRequest request;
   Collider& collider = request.collider;

@@ -8,18 +8,26 @@ namespace deformable_sim {
 
 namespace {
 
-constexpr double kHandlesPeriod = 0.1;   // s
-constexpr double kRepeatPeriod = 1.0;    // s; also of diagnostics (REP 107)
-constexpr double kShortestPeriod = 1e-3; // s
+constexpr double kHandlesPeriod = 0.1;    // s
+constexpr double kRepeatPeriod = 1.0;     // s; also of diagnostics (REP 107)
+constexpr double kShortestPeriod = 1e-3;  // s
 
 double period_of(Rate rate, const OutputSpec& outputs, const Parameters& parameters) {
   double hertz = 0.0;
   switch (rate) {
-    case Rate::kMarkers: hertz = parameters.rate_markers.value_or(outputs.rate_markers); break;
-    case Rate::kPoints: hertz = parameters.rate_points.value_or(outputs.rate_points); break;
-    case Rate::kState: hertz = parameters.rate_state.value_or(outputs.rate_state); break;
-    case Rate::kHandles: return kHandlesPeriod;
-    case Rate::kDiagnostics: return kRepeatPeriod;
+    case Rate::kMarkers:
+      hertz = parameters.rate_markers.value_or(outputs.rate_markers);
+      break;
+    case Rate::kPoints:
+      hertz = parameters.rate_points.value_or(outputs.rate_points);
+      break;
+    case Rate::kState:
+      hertz = parameters.rate_state.value_or(outputs.rate_state);
+      break;
+    case Rate::kHandles:
+      return kHandlesPeriod;
+    case Rate::kDiagnostics:
+      return kRepeatPeriod;
   }
   return hertz > 0.0 ? std::max(kShortestPeriod, 1.0 / hertz) : 0.0;
 }
@@ -95,7 +103,8 @@ bool Outputs::offer(const World& world, std::uint64_t version, Motion motion, co
   if (!any) return later;
   auto instant = std::make_shared<Instant>(run());
   instant->snapshot = world.snapshot();
-  instant->warnings.insert(instant->warnings.begin(), instant->snapshot.warnings.begin(), instant->snapshot.warnings.end());
+  instant->warnings.insert(instant->warnings.begin(), instant->snapshot.warnings.begin(),
+                           instant->snapshot.warnings.end());
   ++snapshots_;
   send({publishers_, std::move(instant), now_});
   return later;

@@ -11,7 +11,9 @@ constexpr double kWindow = 1.0;       // s
 constexpr double kLongestWait = 0.1;  // s
 constexpr double kClockPoll = 0.001;  // s
 
-ros::Duration seconds(double s) { return ros::Duration().fromSec(s); }
+ros::Duration seconds(double s) {
+  return ros::Duration().fromSec(s);
+}
 
 }  // namespace
 

@@ -123,9 +123,12 @@ std::string summary(const Parameters& p) {
 
 const char* to_string(ClockMode mode) {
   switch (mode) {
-    case ClockMode::kRealTime: return "real_time";
-    case ClockMode::kAsFastAsPossible: return "as_fast_as_possible";
-    case ClockMode::kOnDemand: return "on_demand";
+    case ClockMode::kRealTime:
+      return "real_time";
+    case ClockMode::kAsFastAsPossible:
+      return "as_fast_as_possible";
+    case ClockMode::kOnDemand:
+      return "on_demand";
   }
   return "";
 }
@@ -148,12 +151,15 @@ Parameters read_parameters(const ros::NodeHandle& private_nh) {
   reader.read_real("tf_timeout", 0.001, 10.0, &p.tf_timeout);
   p.clock = to_clock_mode(clock);
   if (p.scene.empty()) Reader::refuse("scene", "missing; a scene file, or the name of a shipped scene, is needed");
-  if (p.frame_id.empty() || p.frame_id[0] == '/') Reader::refuse("frame_id", "a tf frame without leading slash is needed");
+  if (p.frame_id.empty() || p.frame_id[0] == '/')
+    Reader::refuse("frame_id", "a tf frame without leading slash is needed");
 
   const std::string unknown = reader.unknown();
   if (!unknown.empty()) {
-    ROS_WARN_STREAM_NAMED("parameters", "unknown parameters ignored: " << unknown << " (known: " << reader.known() << ")");
+    ROS_WARN_STREAM_NAMED("parameters",
+                          "unknown parameters ignored: " << unknown << " (known: " << reader.known() << ")");
   }
+  if (p.threads > 1) ROS_WARN_NAMED("parameters", "~threads: this version steps on one thread");
   ROS_INFO_STREAM_NAMED("parameters", summary(p));
   return p;
 }

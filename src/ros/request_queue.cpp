@@ -12,7 +12,8 @@ constexpr std::size_t kMostWaiting = 1000;
 
 std::chrono::steady_clock::time_point after(double seconds) {
   using std::chrono::steady_clock;
-  return steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
+  return steady_clock::now() +
+         std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 }  // namespace

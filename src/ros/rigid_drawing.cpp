@@ -45,8 +45,8 @@ void add_shape(const Shape& shape, const Pose& pose, std::vector<Marker>* marker
       markers->push_back(solid(Marker::CYLINDER, pose, Vec3(diameter, diameter, shape.size.y()), kSolid));
       break;
     case Shape::Type::kPlane:
-      markers->push_back(solid(Marker::CUBE, shifted(-0.5 * kPlaneThickness), Vec3(kPlaneSize, kPlaneSize, kPlaneThickness),
-                               {{0.42f, 0.42f, 0.40f}}));
+      markers->push_back(solid(Marker::CUBE, shifted(-0.5 * kPlaneThickness),
+                               Vec3(kPlaneSize, kPlaneSize, kPlaneThickness), {{0.42f, 0.42f, 0.40f}}));
       break;
   }
 }
@@ -60,9 +60,12 @@ void number(const std::string& ns, std::vector<Marker>* markers) {
 
 std::array<float, 3> color_of(GraspPhase phase) {
   switch (phase) {
-    case GraspPhase::kHolding: return {{0.15f, 0.75f, 0.25f}};
-    case GraspPhase::kSlipped: return {{0.85f, 0.15f, 0.1f}};
-    case GraspPhase::kWaitingForFrame: return {{0.95f, 0.6f, 0.1f}};
+    case GraspPhase::kHolding:
+      return {{0.15f, 0.75f, 0.25f}};
+    case GraspPhase::kSlipped:
+      return {{0.85f, 0.15f, 0.1f}};
+    case GraspPhase::kWaitingForFrame:
+      return {{0.95f, 0.6f, 0.1f}};
   }
   return {{1, 1, 1}};
 }

@@ -59,7 +59,8 @@ std::vector<Collider> robot_links(const std::string& urdf_xml, const RobotSpec& 
       if (collision && to_shape(*collision, &shape)) {
         collider.shapes.push_back(shape);
       } else {
-        ROS_WARN_STREAM_NAMED("robot", "link " << name << ": a collision mesh is left out; boxes, spheres and cylinders are used");
+        ROS_WARN_STREAM_NAMED(
+            "robot", "link " << name << ": a collision mesh is left out; boxes, spheres and cylinders are used");
       }
     }
     if (!collider.shapes.empty()) colliders.push_back(collider);

@@ -22,14 +22,16 @@ std::vector<Collider> take_attached(SceneSpec* spec) {
   const auto begin = std::stable_partition(spec->colliders.begin(), spec->colliders.end(),
                                            [](const ColliderSpec& c) { return c.collider.frame.empty(); });
   std::vector<Collider> attached;
-  std::transform(begin, spec->colliders.end(), std::back_inserter(attached), [](const ColliderSpec& c) { return c.collider; });
+  std::transform(begin, spec->colliders.end(), std::back_inserter(attached),
+                 [](const ColliderSpec& c) { return c.collider; });
   spec->colliders.erase(begin, spec->colliders.end());
   return attached;
 }
 
 }  // namespace
 
-SceneLoader::SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames, Drag drag_grasp)
+SceneLoader::SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames,
+                         Drag drag_grasp)
     : private_nh_(private_nh), parameters_(parameters), frames_(frames), drag_grasp_(std::move(drag_grasp)) {}
 
 LoadedScene SceneLoader::from_file(const std::string& file) const {

@@ -71,8 +71,8 @@ const Body& find_body(const Model& model, const std::string& name) {
 
 }  // namespace
 
-Services::Services(const ros::NodeHandle& private_nh, const std::string& frame_id, Simulation* simulation, Frames* frames,
-                   const SceneLoader* loader)
+Services::Services(const ros::NodeHandle& private_nh, const std::string& frame_id, Simulation* simulation,
+                   Frames* frames, const SceneLoader* loader)
     : nh_(private_nh), frame_id_(frame_id), simulation_(simulation), frames_(frames), loader_(loader) {}
 
 void Services::start() {
@@ -80,8 +80,6 @@ void Services::start() {
   advertise_time();
   advertise_scene();
 }
-
-void Services::stop() { servers_.clear(); }
 
 std::vector<std::string> Services::names() const {
   std::vector<std::string> names;
@@ -104,17 +102,19 @@ void Services::advertise_grasps() {
         const Status status = guarded([&] {
           check_name("name", q.name);
           const double duration = to_non_negative(q.duration.toSec(), "duration");
-          return answer(simulation_->apply({command::MoveGrasp{q.name, to_world_pose(q.target, "target", frames_), duration}}));
+          return answer(
+              simulation_->apply({command::MoveGrasp{q.name, to_world_pose(q.target, "target", frames_), duration}}));
         });
         fill(status, &response->status);
       }));
-  servers_.push_back(serve<msg::ReleaseRequest, msg::ReleaseResponse>(nh_, "release", [this](const auto& q, auto* response) {
-    const Status status = guarded([&] {
-      if (!q.name.empty()) check_name("name", q.name);
-      return answer(simulation_->apply({command::Release{q.name}}));
-    });
-    fill(status, &response->status);
-  }));
+  servers_.push_back(
+      serve<msg::ReleaseRequest, msg::ReleaseResponse>(nh_, "release", [this](const auto& q, auto* response) {
+        const Status status = guarded([&] {
+          if (!q.name.empty()) check_name("name", q.name);
+          return answer(simulation_->apply({command::Release{q.name}}));
+        });
+        fill(status, &response->status);
+      }));
 }
 
 void Services::advertise_time() {
@@ -137,14 +137,14 @@ void Services::advertise_scene() {
         fill_std(guarded([&] { return answer(simulation_->describe(&text)); }), response);
         if (response->success) response->message = text;
       }));
-  servers_.push_back(serve<msg::LoadSceneRequest, msg::LoadSceneResponse>(
-      nh_, "load_scene", [this](const auto& request, auto* response) {
-        const Status status = guarded([&] {
-          load(request);
-          return Status();
-        });
-        fill(status, &response->status);
-      }));
+  servers_.push_back(serve<msg::LoadSceneRequest, msg::LoadSceneResponse>(nh_, "load_scene",
+                                                                          [this](const auto& request, auto* response) {
+                                                                            const Status status = guarded([&] {
+                                                                              load(request);
+                                                                              return Status();
+                                                                            });
+                                                                            fill(status, &response->status);
+                                                                          }));
   servers_.push_back(serve<msg::AddObstacleRequest, msg::AddObstacleResponse>(
       nh_, "add_obstacle", [this](const auto& request, auto* response) {
         fill(guarded([&] { return answer(add_obstacle(request)); }), &response->status);

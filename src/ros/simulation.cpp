@@ -38,10 +38,16 @@ struct Simulation::StepRun {
 };
 
 Simulation::Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings)
-    : parameters_(parameters), frames_(frames), warnings_(warnings), pacer_(parameters.clock, parameters.publish_clock),
-      follower_(*frames, warnings), paused_(parameters.start_paused) {}
+    : parameters_(parameters),
+      frames_(frames),
+      warnings_(warnings),
+      pacer_(parameters.clock, parameters.publish_clock),
+      follower_(*frames, warnings),
+      paused_(parameters.start_paused) {}
 
-Simulation::~Simulation() { stop(); }
+Simulation::~Simulation() {
+  stop();
+}
 
 void Simulation::start(LoadedScene scene, GraspsChanged grasps_changed, TimeChanged time_changed) {
   grasps_changed_ = std::move(grasps_changed);
@@ -152,7 +158,7 @@ double Simulation::dt() const {
   return dt_;
 }
 
-// --- The simulation thread from here on. -----------------------------------------------------------------------------
+// The simulation thread from here on.
 
 void Simulation::run() {
   // roscpp shuts down under a service that still waits, and waits for it in turn: answer it.
@@ -168,7 +174,8 @@ void Simulation::run() {
       continue;
     }
     speed_.pause();
-    const bool unshown = outputs_.offer(*scene_.world, version_, Outputs::Motion::kIdle, [this] { return run_state(); });
+    const bool unshown =
+        outputs_.offer(*scene_.world, version_, Outputs::Motion::kIdle, [this] { return run_state(); });
     queue_.wait(unshown ? kUnshownWait : kIdleWait);
   }
   queue_.close();
@@ -194,8 +201,9 @@ void Simulation::advance() {
   if (!outcome.ok) {
     failure_ = outcome.message.empty() ? "no finite state" : outcome.message;
     warnings_->set("failure", "stopped on the last good state: " + failure_);
-    ROS_ERROR_STREAM_NAMED("simulation", "stopped on the last good state at " << scene_.world->time() << " s: " << failure_
-                                                                             << "; ~reset or ~load_scene recovers");
+    ROS_ERROR_STREAM_NAMED("simulation", "stopped on the last good state at " << scene_.world->time()
+                                                                              << " s: " << failure_
+                                                                              << "; ~reset or ~load_scene recovers");
     end_steps({Code::kInternal, failure_});
     return;
   }
@@ -216,8 +224,9 @@ void Simulation::watch_speed(double cost, SpeedMeter::Clock::time_point began) {
   }
   std::ostringstream text;
   text.precision(2);
-  text << "real time is not held: factor " << std::fixed << speed_.factor() << ", a step of " << scene_.world->settings().dt * 1e3
-       << " ms takes " << speed_.mean_step_seconds() * 1e3 << " ms (longest " << speed_.longest_step_seconds() * 1e3 << " ms)";
+  text << "real time is not held: factor " << std::fixed << speed_.factor() << ", a step of "
+       << scene_.world->settings().dt * 1e3 << " ms takes " << speed_.mean_step_seconds() * 1e3 << " ms (longest "
+       << speed_.longest_step_seconds() * 1e3 << " ms)";
   warnings_->set("behind", text.str());
   ROS_WARN_STREAM_THROTTLE_NAMED(10.0, "real_time", text.str());
 }
@@ -245,7 +254,8 @@ Reply Simulation::apply_now(const Command& command) {
   if (!reply.status.ok()) return reply;
   ++version_;
   follower_.applied(command);
-  if (std::holds_alternative<command::Grasp>(command) || std::holds_alternative<command::Release>(command)) note_grasps();
+  if (std::holds_alternative<command::Grasp>(command) || std::holds_alternative<command::Release>(command))
+    note_grasps();
   if (std::holds_alternative<command::Reset>(command)) begin_world();
   return reply;
 }
@@ -323,13 +333,16 @@ std::string Simulation::description() const {
   std::ostringstream text;
   text << "scene: " << (scene_.spec.file.empty() ? "(text)" : scene_.spec.file);
   if (!scene_.spec.title.empty()) text << "\ntitle: " << scene_.spec.title;
-  text << "\nclock: " << to_string(parameters_.clock) << "\ntime: " << world.time() << " s\nsteps: " << world.step_count()
-       << "\nstep: " << world.settings().dt << " s, " << world.settings().integrator << "\nstate: "
-       << (!failure_.empty() ? "failed: " + failure_ : wants_to_step() ? "running" : "paused")
+  text << "\nclock: " << to_string(parameters_.clock) << "\ntime: " << world.time()
+       << " s\nsteps: " << world.step_count() << "\nstep: " << world.settings().dt << " s, "
+       << world.settings().integrator << "\nstate: "
+       << (!failure_.empty() ? "failed: " + failure_
+           : wants_to_step() ? "running"
+                             : "paused")
        << "\nreal-time factor: " << speed_.factor() << "\nsnapshots: " << outputs_.snapshot_count();
   for (const Body& body : world.model().bodies) {
-    text << "\nbody: " << body.name << " (" << (body.kind == BodyKind::kCloth ? "cloth" : "rope") << ", " << body.node_count
-         << " nodes)";
+    text << "\nbody: " << body.name << " (" << (body.kind == BodyKind::kCloth ? "cloth" : "rope") << ", "
+         << body.node_count << " nodes)";
   }
   const Snapshot now = world.snapshot();
   for (const GraspReport& grasp : now.grasps) {

@@ -16,7 +16,9 @@ constexpr auto kWatchPeriod = std::chrono::seconds(2);
 TopicKeeper::TopicKeeper(std::vector<std::string> services)
     : services_(std::move(services)), thread_([this] { run(); }) {}
 
-TopicKeeper::~TopicKeeper() { stop(); }
+TopicKeeper::~TopicKeeper() {
+  stop();
+}
 
 void TopicKeeper::post(std::function<void()> task) {
   {

@@ -47,7 +47,8 @@ class Outputs(unittest.TestCase):
 
     def setUp(self):
         self.assertEqual(self.sim.load_scene(file=self.scene).status.code, Status.OK)
-        wait_until(lambda: '/deformable_sim/grasp/%s/wrench' % PIN in dict(rospy.get_published_topics()), 'wrench topic')
+        wrench = '/deformable_sim/grasp/%s/wrench' % PIN
+        wait_until(lambda: wrench in dict(rospy.get_published_topics()), wrench)
 
     def one(self, name, kind, condition=lambda message: True):
         listener = Listener(name if name[0] == '/' else self.sim.topic(name), kind)
@@ -90,7 +91,8 @@ class Outputs(unittest.TestCase):
         listeners = [(Listener(name if name[0] == '/' else self.sim.topic(name), kind), stamp)
                      for name, kind, stamp in LAZY if stamp]
         time = self.sim.steps(17)
-        stamps = [stamp(listener.wait(lambda m, s=stamp: abs(s(m).to_sec() - time) < 1e-6)) for listener, stamp in listeners]
+        stamps = [stamp(listener.wait(lambda m, s=stamp: abs(s(m).to_sec() - time) < 1e-6))
+                  for listener, stamp in listeners]
         self.assertEqual(len(set(stamps)), 1)
         for listener, _ in listeners:
             listener.close()
@@ -148,13 +150,15 @@ class Outputs(unittest.TestCase):
         listener.close()
 
     def test_two_grasps_at_rest_carry_the_weight_of_the_sheet(self):
-        # At rest the forces on the grippers add up to m g, downwards. Damping 3 / s: e^-30 of the swing is left after 20 s.
+        # At rest the forces on the grippers add up to m g, downwards. Damping 3 / s: e^-30 of the swing is left after
+        # 20 s.
         names = ('pin_sheet_corner_2', 'pin_sheet_corner_3')
         time = self.sim.steps(2000)
         grasps = self.one('grasps', GraspStateArray, lambda m: abs(m.header.stamp.to_sec() - time) < 1e-6).grasps
         forces = {g.name: g.wrench.force for g in grasps}
-        self.assertAlmostEqual(sum(forces[n].z for n in names), -SHEET_MASS * GRAVITY, delta=0.01 * SHEET_MASS * GRAVITY)
-        self.assertLess(abs(sum(forces[n].x for n in names)), 0.01 * SHEET_MASS * GRAVITY)
+        weight = SHEET_MASS * GRAVITY
+        self.assertAlmostEqual(sum(forces[n].z for n in names), -weight, delta=0.01 * weight)
+        self.assertLess(abs(sum(forces[n].x for n in names)), 0.01 * weight)
         wrench = self.one('grasp/%s/wrench' % PIN, WrenchStamped)
         self.assertEqual(wrench.header.frame_id, 'deformable_sim/grasp/' + PIN)
         self.assertAlmostEqual(wrench.wrench.force.z, forces[PIN].z, delta=1e-3)

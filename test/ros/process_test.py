@@ -84,7 +84,8 @@ class Processes(unittest.TestCase):
                                     (['_scene:=/no/such/file.yaml'], '/no/such/file.yaml'),
                                     (['_scene:=' + broken], broken + ':3'), (['_scene:=' + empty], empty),
                                     (['_scene:=5'], '~scene'), ([good, '_clock:=sundial'], 'real_time'),
-                                    ([good, '_rate_points:=-1'], '~rate_points'), ([good, '_tf_timeout:=0'], '~tf_timeout'),
+                                    ([good, '_rate_points:=-1'], '~rate_points'),
+                                    ([good, '_tf_timeout:=0'], '~tf_timeout'),
                                     ([good, '_start_paused:=maybe'], '~start_paused'),
                                     ([good, '_threads:=0'], '~threads'), ([good, '_frame_id:=/map'], '~frame_id')):
                 with self.subTest(arguments=arguments):
@@ -93,7 +94,8 @@ class Processes(unittest.TestCase):
                     self.assertEqual(process.returncode, REFUSED, output)
                     self.assertIn(word, output)
                     self.assertIn('FATAL', output)
-                    rospy.delete_param('/refused') if rospy.has_param('/refused') else None
+                    if rospy.has_param('/refused'):
+                        rospy.delete_param('/refused')
 
     def test_a_second_clock_is_refused(self):
         first = self.start('_scene:=' + self.scene, '_clock:=on_demand', '_publish_clock:=true', '__name:=first_clock')
@@ -120,8 +122,8 @@ class Processes(unittest.TestCase):
         self.assertEqual(self.interrupt(process)[0], -signal.SIGINT)
 
     def test_an_interrupt_ends_a_running_node(self):
-        for name, arguments in (('running', []), ('fast', ['_clock:=as_fast_as_possible']), ('paused', ['_start_paused:=true']),
-                                ('demanded', ['_clock:=on_demand'])):
+        for name, arguments in (('running', []), ('fast', ['_clock:=as_fast_as_possible']),
+                                ('paused', ['_start_paused:=true']), ('demanded', ['_clock:=on_demand'])):
             with self.subTest(name=name):
                 process = self.start('_scene:=' + self.scene, '__name:=' + name, *arguments)
                 Simulation(name)

@@ -7,13 +7,12 @@ import unittest
 import rospy
 import rostest
 import tf2_ros
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Pose, TransformStamped
 from sensor_msgs.msg import PointCloud2
+from shape_msgs.msg import SolidPrimitive
 from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerInit, InteractiveMarkerUpdate
 
 from deformable_sim.msg import GraspState, GraspStateArray, Obstacle, SimStatus
-from geometry_msgs.msg import Pose
-from shape_msgs.msg import SolidPrimitive
 from support import Simulation, Status, feature, nearest, wait_until
 
 
@@ -160,7 +159,8 @@ class RealTime(unittest.TestCase):
         name = 'pin_sheet_corner_2'
         full = init.wait(lambda m: any(k.name == name for k in m.markers))
         handle = next(k for k in full.markers if k.name == name)
-        feedback = rospy.Publisher(self.sim.topic('interactive_markers/feedback'), InteractiveMarkerFeedback, queue_size=1)
+        feedback = rospy.Publisher(self.sim.topic('interactive_markers/feedback'), InteractiveMarkerFeedback,
+                                   queue_size=1)
         wait_until(lambda: feedback.get_num_connections() > 0, 'the node to hear feedback')
         drag = InteractiveMarkerFeedback(marker_name=name, client_id='test', pose=handle.pose,
                                          event_type=InteractiveMarkerFeedback.POSE_UPDATE)

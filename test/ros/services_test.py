@@ -124,7 +124,8 @@ class Services(unittest.TestCase):
             (Status.UNAVAILABLE, 'no_such_frame', dict(selection=feature('corner_0'), follow_frame='no_such_frame')),
             (Status.NOT_FOUND, '', dict(selection=nearest(100, 0, 1))),
             (None, '999999', dict(selection=GraspSelection(method=GraspSelection.NODES, nodes=[999999]))),
-            (Status.OUT_OF_RANGE, 'range', dict(selection=GraspSelection(method=GraspSelection.NODES, nodes=[2**32 - 1]))),
+            (Status.OUT_OF_RANGE, 'range',
+             dict(selection=GraspSelection(method=GraspSelection.NODES, nodes=[2**32 - 1]))),
             (None, '', dict(selection=GraspSelection(method=GraspSelection.NODES))),
             (None, 'corner_0', dict(selection=feature('no_such_feature'))),
             (Status.INVALID_ARGUMENT, 'method', dict(selection=GraspSelection(method=9))),
@@ -136,7 +137,8 @@ class Services(unittest.TestCase):
             (Status.INVALID_ARGUMENT, 'letter', dict(name='', selection=feature('corner_0'))),
             (Status.INVALID_ARGUMENT, 'letter', dict(name='a/../b c', selection=feature('corner_0'))),
             (Status.INVALID_ARGUMENT, '64', dict(name='a' * 5000, selection=feature('corner_0'))),
-            (Status.ALREADY_EXISTS, 'pin_sheet_corner_2', dict(name='pin_sheet_corner_2', selection=feature('corner_0'))),
+            (Status.ALREADY_EXISTS, 'pin_sheet_corner_2',
+             dict(name='pin_sheet_corner_2', selection=feature('corner_0'))),
         ]
         before = sim.everything()
         for code, word, arguments in bad:
@@ -156,7 +158,8 @@ class Services(unittest.TestCase):
         node = answer.nodes[0]
         x, y, z = node_position(self.sim.state('sheet'), node)
         move = target(x, y - 0.02, z)
-        self.assertEqual(self.sim.move_grasp(name='hand', target=move, duration=rospy.Duration(0.2)).status.code, Status.OK)
+        answer = self.sim.move_grasp(name='hand', target=move, duration=rospy.Duration(0.2))
+        self.assertEqual(answer.status.code, Status.OK)
         self.sim.steps(10)
         self.assertAlmostEqual(node_position(self.sim.state('sheet'), node)[1], y - 0.01, delta=1e-9)
         self.sim.steps(10)
@@ -184,7 +187,8 @@ class Services(unittest.TestCase):
     def test_bad_moves_are_refused(self):
         hand = 'pin_sheet_corner_2'
         self.refuse(Status.NOT_FOUND, 'nobody', lambda: self.sim.move_grasp(name='nobody', target=target(0, 0, 1)))
-        self.refuse(Status.INVALID_ARGUMENT, 'finite', lambda: self.sim.move_grasp(name=hand, target=target(math.nan, 0, 1)))
+        self.refuse(Status.INVALID_ARGUMENT, 'finite',
+                    lambda: self.sim.move_grasp(name=hand, target=target(math.nan, 0, 1)))
         self.refuse(Status.UNAVAILABLE, 'no_such_frame',
                     lambda: self.sim.move_grasp(name=hand, target=target(0, 0, 1, 'no_such_frame')))
         self.refuse(Status.OUT_OF_RANGE, 'duration',
@@ -232,7 +236,8 @@ class Services(unittest.TestCase):
         framed.frame = 'no_such_frame'
         rough = box('bad')
         rough.friction = math.nan
-        for code, word, obstacle in ((Status.INVALID_ARGUMENT, 'type', cone), (Status.INVALID_ARGUMENT, 'dimensions', short),
+        for code, word, obstacle in ((Status.INVALID_ARGUMENT, 'type', cone),
+                                     (Status.INVALID_ARGUMENT, 'dimensions', short),
                                      (Status.INVALID_ARGUMENT, 'finite', nan_pose),
                                      (Status.INVALID_ARGUMENT, 'primitive_poses', no_pose),
                                      (Status.UNAVAILABLE, 'mesh', mesh), (Status.UNAVAILABLE, 'no_such_frame', framed),
@@ -278,7 +283,8 @@ class Services(unittest.TestCase):
     def test_bad_scenes_leave_the_running_one(self):
         text = open(self.scene).read()
         for word, arguments in (('one of the two', {}), ('one of the two', dict(file=self.scene, yaml=text)),
-                                ('no_such_scene', dict(file='no_such_scene')), ('/no/such', dict(file='/no/such/file.yaml')),
+                                ('no_such_scene', dict(file='no_such_scene')),
+                                ('/no/such', dict(file='/no/such/file.yaml')),
                                 ('', dict(yaml=' ')), ('', dict(yaml=text[:len(text) // 2] + ' {')),
                                 ('yaml:', dict(yaml=text + '\nno_such_key: 1\n')),
                                 ('stretch_stiffness', dict(yaml=text.replace('cells: [10, 8]',
@@ -334,7 +340,8 @@ class Services(unittest.TestCase):
         obstacle = rospy.Publisher(self.sim.topic('obstacle'), Obstacle, queue_size=10)
         for publisher in (command, obstacle):
             wait_until(lambda p=publisher: p.get_num_connections() > 0, 'the node to subscribe')
-        command.publish(GraspCommand(action=GraspCommand.GRASP, name='hand', body='sheet', selection=feature('corner_0')))
+        command.publish(GraspCommand(action=GraspCommand.GRASP, name='hand', body='sheet',
+                                     selection=feature('corner_0')))
         wait_until(lambda: 'hand' in [g[0] for g in self.sim.everything()[2]], 'the grasp')
         command.publish(GraspCommand(action=GraspCommand.RELEASE, name='hand'))
         wait_until(lambda: 'hand' not in [g[0] for g in self.sim.everything()[2]], 'the release')

@@ -6,7 +6,7 @@ import time
 import rospy
 from std_srvs.srv import SetBool, Trigger
 
-from deformable_sim.msg import BodyState, GraspSelection, GraspStateArray, SimStatus, Status
+from deformable_sim.msg import GraspSelection, GraspStateArray, SimStatus, Status
 from deformable_sim.srv import (AddObstacle, GetState, Grasp, LoadScene, MoveGrasp, Release, RemoveObstacle, SetState,
                                 Step)
 
@@ -123,5 +123,5 @@ def node_position(state, node):
     return state.positions[3 * node:3 * node + 3]
 
 
-__all__ = ['BodyState', 'DEADLINE', 'GraspSelection', 'GraspStateArray', 'Listener', 'SimStatus', 'Simulation', 'Status',
-           'feature', 'nearest', 'node_position', 'wait_until']
+__all__ = ['DEADLINE', 'GraspSelection', 'GraspStateArray', 'Listener', 'SimStatus', 'Simulation', 'Status', 'feature',
+           'nearest', 'node_position', 'wait_until']

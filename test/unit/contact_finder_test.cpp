@@ -115,6 +115,11 @@ TEST(ContactFinder, KeepsAPointOnItsSideOfAThinPlate) {
   const ContactConstraints contacts = s.find();
   EXPECT_GT(contacts[0].normal.z(), 0.0);
   EXPECT_NEAR(contacts[0].offset, 0.0, 1e-12);
+  // Even right through it, it is taken back, 3 mm a step.
+  s.state.x(2, 0) = -0.0035;
+  EXPECT_GT(s.find()[0].normal.z(), 0.0);
+  EXPECT_NEAR(s.find()[0].offset, -0.0005, 1e-12);
+  s.state.x(2, 0) = -0.0015;
   // Told to forget, it leaves by the nearest surface.
   s.finder->forget_sides();
   EXPECT_LT(s.find()[0].normal.z(), 0.0);

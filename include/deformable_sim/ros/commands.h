@@ -17,8 +17,8 @@
 
 namespace deformable_sim {
 
-/// ~grasp_command, ~grasp/<name>/target, ~obstacle. A refusal has nobody to answer to: it is logged, at most once a second,
-/// and listed in ~status.
+/// ~grasp_command, ~grasp/<name>/target, ~obstacle. A refusal has nobody to answer to: it is logged, at most once a
+/// second, and listed in ~status.
 class CommandTopics {
  public:
   CommandTopics(const ros::NodeHandle& private_nh, Simulation* simulation, Frames* frames, Warnings* warnings);
@@ -49,7 +49,6 @@ class Services {
            const SceneLoader* loader);
 
   void start();
-  void stop();
   /// Full names.
   std::vector<std::string> names() const;
 

@@ -14,9 +14,9 @@
 
 namespace deformable_sim {
 
-/// Asked before every step on the simulation thread, where all of it lives. A new transform becomes a move that takes as
-/// long as transforms are apart, so that a 50 Hz tf drives a 200 Hz simulation smoothly, at the price of lagging one period.
-/// A frame that stops arriving leaves its grasps and colliders standing still; grasps report so.
+/// Asked before every step on the simulation thread, where all of it lives. A new transform becomes a move that takes
+/// as long as transforms are apart, so that a 50 Hz tf drives a 200 Hz simulation smoothly, at the price of lagging one
+/// period. A frame that stops arriving leaves its grasps and colliders standing still; grasps report so.
 class FrameFollower {
  public:
   FrameFollower(const Frames& frames, Warnings* warnings);
@@ -42,13 +42,13 @@ class FrameFollower {
     std::string frame;
     std::optional<Pose> frame_from_part;  // unset: a grasp of the scene, as it lies when the frame is first seen
     Pose world_from_part = Pose::Identity();
-    std::optional<Collider> absent;       // not in the world yet
+    std::optional<Collider> absent;  // not in the world yet
     FramePose last;
     bool seen = false;
     bool waiting = false;
-    double seen_at = 0.0;                 // simulated s
+    double seen_at = 0.0;  // simulated s
     Clock::time_point seen_at_wall;
-    double period = 0.0;                  // s between transforms, simulated
+    double period = 0.0;  // s between transforms, simulated
   };
 
   void take(const FramePose& pose, World* world, Follower* follower);

@@ -29,10 +29,9 @@ class Frames {
 
   /// Starts listening (network, so not on the simulation thread).
   void open();
-  bool is_open() const { return listening_; }
 
-  /// Waits until the transform is there. Throws InputError (kUnavailable) naming the frame after the timeout; just after
-  /// open() up to 1 s more, as connections take that long. Empty = the world frame.
+  /// Waits until the transform is there. Throws InputError (kUnavailable) naming the frame after the timeout; just
+  /// after open() up to 1 s more, as connections take that long. Empty = the world frame.
   Pose resolve(const std::string& frame);
 
   /// Does not wait; nothing when the frame is not connected to the world frame or open() was not called.

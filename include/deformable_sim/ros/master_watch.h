@@ -6,8 +6,9 @@
 
 namespace deformable_sim {
 
-/// roscpp registers once and never again: after a restart of roscore a node is deaf and mute though it runs. Asked every few
-/// seconds, this notices a master that does not know the node, and registers all its topics and services anew.
+/// roscpp registers once and never again: after a restart of roscore a node is deaf and mute though it runs. Asked
+/// every few seconds, this notices a master that does not know the node, and registers all its topics and services
+/// anew.
 class MasterWatch {
  public:
   /// `services`: full names of the services besides those of roscpp.

@@ -10,11 +10,12 @@
 namespace deformable_sim {
 
 struct ObstacleRequest {
-  Collider collider;                         // where it is now
-  std::optional<Pose> frame_from_collider;   // set: it moves with collider.frame
+  Collider collider;                        // where it is now
+  std::optional<Pose> frame_from_collider;  // set: it moves with collider.frame
 };
 
-/// Of an ADD. Throws InputError: name, no shape, wrong dimensions, more than 1000 shapes, meshes (kUnavailable), frames.
+/// Of an ADD. Throws InputError: name, no shape, wrong dimensions, more than 1000 shapes, meshes (kUnavailable),
+/// frames.
 ObstacleRequest to_obstacle(const msg::Obstacle& message, Frames* frames);
 
 /// Of a MOVE. Throws InputError.

@@ -28,8 +28,8 @@ struct PublisherSet {
 /// Advertises the topics of a scene (network). Rates given as parameters replace the scene's.
 std::shared_ptr<PublisherSet> make_publishers(const PublisherContext& context, const Parameters& parameters);
 
-/// offer() belongs to the simulation thread and never waits for a subscriber: messages are built and sent by a thread of
-/// this object, which takes the newest state when it is ready and skips what it had no time for.
+/// offer() belongs to the simulation thread and never waits for a subscriber: messages are built and sent by a thread
+/// of this object, which takes the newest state when it is ready and skips what it had no time for.
 class Outputs {
  public:
   Outputs();
@@ -40,8 +40,8 @@ class Outputs {
 
   enum class Motion { kRunning, kIdle };
   /// Simulation thread: shows the world to the topics that have a subscriber and are due: by simulated time while
-  /// running; when idle whatever changed since, and everything to newcomers. `run` is completed by a snapshot if any is due.
-  /// `version` changes whenever the world or its run does. Returns whether something remains to be shown later.
+  /// running; when idle whatever changed since, and everything to newcomers. `run` is completed by a snapshot if any is
+  /// due. `version` changes whenever the world or its run does. Returns whether something remains to be shown later.
   bool offer(const World& world, std::uint64_t version, Motion motion, const std::function<Instant()>& run);
 
   /// Snapshots taken for topics so far.
@@ -51,9 +51,9 @@ class Outputs {
   using Clock = std::chrono::steady_clock;
 
   struct Due {
-    double next = 0.0;              // s, simulated
-    std::uint64_t version = 0;      // shown last
-    unsigned joined = 0;            // subscribers that had come by then
+    double next = 0.0;          // s, simulated
+    std::uint64_t version = 0;  // shown last
+    unsigned joined = 0;        // subscribers that had come by then
     Clock::time_point shown;
   };
   struct Letter {
@@ -62,8 +62,8 @@ class Outputs {
     std::vector<bool> due;
   };
 
-  bool is_due(const PublisherSet::Entry& entry, const Due& due, double time, double dt, std::uint64_t version, Motion motion,
-              bool* later) const;
+  bool is_due(const PublisherSet::Entry& entry, const Due& due, double time, double dt, std::uint64_t version,
+              Motion motion, bool* later) const;
   void send(Letter letter);
   void publish_loop();
 

@@ -46,8 +46,8 @@ class SpeedMeter {
   /// A step of dt (s) took `cost` s, beginning at `began`. Returns whether a window closed: new values.
   bool step(double dt, Clock::time_point began, double cost);
 
-  double factor() const { return factor_; }                   // 0 until measured
-  double mean_step_seconds() const { return mean_; }          // of the last window
+  double factor() const { return factor_; }           // 0 until measured
+  double mean_step_seconds() const { return mean_; }  // of the last window
   double longest_step_seconds() const { return longest_; }
 
  private:

@@ -13,17 +13,17 @@ namespace deformable_sim {
 enum class ClockMode { kRealTime, kAsFastAsPossible, kOnDemand };
 
 struct Parameters {
-  std::string scene;                      // file, or bare name of a scene in scene_dir; required
-  std::string scene_dir;                  // where bare names are looked up
-  std::string frame_id = "world";         // tf frame of the simulation
+  std::string scene;               // file, or bare name of a scene in scene_dir; required
+  std::string scene_dir;           // where bare names are looked up
+  std::string frame_id = "world";  // tf frame of the simulation
   ClockMode clock = ClockMode::kRealTime;
-  bool publish_clock = false;             // publish /clock, simulated time from 0
-  std::optional<double> rate_markers;     // Hz, 0 ... 1000, 0 = never; unset = the scene's
-  std::optional<double> rate_points;      // Hz
-  std::optional<double> rate_state;       // Hz
-  int threads = 1;                        // for the physics, 1 ... 64
+  bool publish_clock = false;          // publish /clock, simulated time from 0
+  std::optional<double> rate_markers;  // Hz, 0 ... 1000, 0 = never; unset = the scene's
+  std::optional<double> rate_points;   // Hz
+  std::optional<double> rate_state;    // Hz
+  int threads = 1;                     // for the physics, 1 ... 64
   bool start_paused = false;
-  double tf_timeout = 0.1;                // s, 0.001 ... 10
+  double tf_timeout = 0.1;  // s, 0.001 ... 10
 };
 
 const char* to_string(ClockMode mode);

@@ -7,7 +7,8 @@
 
 namespace deformable_sim {
 
-/// 44 B a node; organised (height = rows, width = columns) for a grid cloth, otherwise one row. Normals of a rope are zero.
+/// 44 B a node; organised (height = rows, width = columns) for a grid cloth, otherwise one row. Normals of a rope are
+/// zero.
 sensor_msgs::PointCloud2 body_cloud(const Snapshot& snapshot, int body);
 
 /// All bodies in one row, 48 B a node: `node` counts in the body, `body` is its place in the scene.

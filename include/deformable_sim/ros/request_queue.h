@@ -18,7 +18,8 @@ using Done = std::function<void(const Reply&)>;
 
 class RequestQueue {
  public:
-  /// Waits for the reply. After `deadline` s (wall) the job is taken back and the answer is kTimeout: it is then never done.
+  /// Waits for the reply. After `deadline` s (wall) the job is taken back and the answer is kTimeout: it is then never
+  /// done.
   Reply call(Job job, double deadline);
   /// Does not wait. `done` hears kUnavailable at once, on the caller's thread, when the queue is full or closed.
   void post(Job job, Done done);

@@ -1,4 +1,5 @@
-// The thread that talks to the master: topics of grasps come and go, and registrations outlive a master that was restarted.
+// The thread that talks to the master: topics of grasps come and go, and registrations outlive a master that was
+// restarted.
 #pragma once
 
 #include <condition_variable>

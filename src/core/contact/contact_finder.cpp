@@ -24,6 +24,12 @@ Vec3 motion_at(const Pose& end_from_begin, const Vec3& p) {
   return end_from_begin * p - p;
 }
 
+Vec3 position(const ContactConstraint& c, const Nodes& x) {
+  Vec3 p = Vec3::Zero();
+  for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) p += c.weight[k] * x.col(c.node[k]);
+  return p;
+}
+
 }  // namespace
 
 ContactFinder::ContactFinder(const Model* model) : model_(model) {
@@ -82,6 +88,7 @@ void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>&
   contacts->clear();
   std::swap(planes_, last_planes_);
   planes_.clear();
+  last_plane_ = 0;
 
   const double common = model_->gravity.norm() * dt * dt + kSlack + extra_reach;
   for (size_t i = 0; i < node_reach_.size(); ++i)
@@ -146,7 +153,7 @@ void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, S
                               const PoseStep& pose, double dt, ContactConstraints* contacts) {
   const PlacedShape& shape = shapes_[static_cast<size_t>(k)];
   const Body& body = model_->bodies[static_cast<size_t>(point.body)];
-  if (surface.distance < 0.0) keep_side(key, p, pose.begin, &surface);
+  keep_side(key, p, pose.begin, &surface);
 
   const Vec3 begin = p - surface.distance * surface.normal;
   Vec3 end = begin;
@@ -169,16 +176,19 @@ void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, S
 
   const Mat3 collider_from_world = pose.begin.linear().transpose();
   planes_.push_back({key, k, collider_from_world * surface.normal,
-                     collider_from_world * (begin - pose.begin.translation()), surface_offset});
+                     collider_from_world * (begin - pose.begin.translation()), surface_offset,
+                     c.offset - body.contact_radius});
 }
 
-void ContactFinder::keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider,
-                              SurfacePoint* surface) const {
-  const auto last = std::lower_bound(last_planes_.begin(), last_planes_.end(), key,
-                                     [](const Plane& plane, std::int64_t k) { return plane.key < k; });
-  if (last == last_planes_.end() || last->key != key) return;
+void ContactFinder::keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface) {
+  // Both lists ascend, so the place in the last one only moves on.
+  while (last_plane_ < last_planes_.size() && last_planes_[last_plane_].key < key) ++last_plane_;
+  if (last_plane_ == last_planes_.size() || last_planes_[last_plane_].key != key) return;
+  const Plane* last = &last_planes_[last_plane_];
   const Vec3 normal = world_from_collider.linear() * last->normal;
-  if (normal.dot(surface->normal) >= 0.0) return;  // the nearest surface is on the side it came from
+  // Normals more than a right angle apart: a straight way between the two sides leads through the shape, so a point
+  // behind its last plane was pushed in, or even all the way through a thin one.
+  if (normal.dot(surface->normal) >= 0.0) return;
   const double distance = normal.dot(p - world_from_collider * last->point);
   if (distance > 0.0 || distance < -kKeepSideDepth) return;
   surface->distance = distance;
@@ -234,6 +244,13 @@ double ContactFinder::missed_motion(const Nodes& before, const Nodes& after) {
   return 1.5 * missed;
 }
 
+double ContactFinder::violation(const Nodes& x, const ContactConstraints& contacts) const {
+  double worst = 0.0;
+  for (size_t i = 0; i < contacts.size(); ++i)
+    worst = std::max(worst, planes_[i].asked_offset - contacts[i].normal.dot(position(contacts[i], x)));
+  return worst;
+}
+
 double ContactFinder::penetration(const Nodes& x, const std::vector<PoseStep>& poses,
                                   const ContactConstraints& contacts) {
   double deepest = 0.0;
@@ -241,8 +258,7 @@ double ContactFinder::penetration(const Nodes& x, const std::vector<PoseStep>& p
   for (size_t i = 0; i < contacts.size(); ++i) {
     const ContactConstraint& c = contacts[i];
     const Plane& plane = planes_[i];
-    Vec3 p = Vec3::Zero();
-    for (int k = 0; k < c.count; ++k) p += c.weight[static_cast<size_t>(k)] * x.col(c.node[static_cast<size_t>(k)]);
+    const Vec3 p = position(c, x);
     // On the outer side of a tangent plane of a convex shape: outside.
     if (c.normal.dot(p) >= plane.end_offset) continue;
     PlacedShape& shape = shapes_[static_cast<size_t>(plane.shape)];

@@ -101,10 +101,10 @@ void ExplicitStep::resolve(const ContactConstraint& c, double drift, Contact* co
   const double normal_velocity = c.normal.dot(velocity);
   if (gap + ahead * normal_velocity >= 0.0 && contact->normal == 0.0) return;
 
-  if (gap < 0.0) apply(c, Vec3(-gap * contact->mass * c.normal), 1.0, s);
+  if (gap < 0.0) add_to_positions(c, Vec3(-gap * contact->mass * c.normal), s);
   const double allowed = ahead > 0.0 ? -std::max(gap, 0.0) / ahead : 0.0;
   const double impulse = std::max(0.0, contact->normal + contact->mass * (allowed - normal_velocity));
-  apply(c, Vec3((impulse - contact->normal) * c.normal), 0.0, s);
+  add_to_velocities(c, Vec3((impulse - contact->normal) * c.normal), s);
   contact->normal = impulse;
 
   const Vec3 sliding = velocity - normal_velocity * c.normal;
@@ -113,19 +113,21 @@ void ExplicitStep::resolve(const ContactConstraint& c, double drift, Contact* co
   if (size > most) friction *= most / size;
   const Vec3 change = friction - contact->friction;
   contact->friction = friction;
-  apply(c, change, 0.0, s);
-  apply(c, change, drift * dt_, s);
+  add_to_velocities(c, change, s);
+  add_to_positions(c, Vec3(drift * dt_ * change), s);
 }
 
-/// Impulse on the velocities (move = 0), or move times its velocity change on the positions.
-void ExplicitStep::apply(const ContactConstraint& c, const Vec3& impulse, double move, State* s) const {
+/// v += impulse / m, in N s, shared by the nodes of the point.
+void ExplicitStep::add_to_velocities(const ContactConstraint& c, const Vec3& impulse, State* s) const {
   for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
-    const Vec3 change = (c.weight[k] * inverse_mass_[c.node[k]]) * impulse;
-    if (move == 0.0) {
-      s->v.col(c.node[k]) += change;
-    } else {
-      s->x.col(c.node[k]) += move * change;
-    }
+    s->v.col(c.node[k]) += (c.weight[k] * inverse_mass_[c.node[k]]) * impulse;
+  }
+}
+
+/// x += moment / m, in kg m, shared by the nodes of the point.
+void ExplicitStep::add_to_positions(const ContactConstraint& c, const Vec3& moment, State* s) const {
+  for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
+    s->x.col(c.node[k]) += (c.weight[k] * inverse_mass_[c.node[k]]) * moment;
   }
 }
 

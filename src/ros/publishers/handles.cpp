@@ -37,10 +37,12 @@ bool moved(const Pose& a, const Pose& b) {
 class Handles : public TopicsPublisher {
  public:
   explicit Handles(const PublisherContext& context)
-      : topic_(context.private_nh.resolveName("interactive_markers")), frame_id_(context.frame_id), drag_(context.drag_grasp) {
+      : topic_(context.private_nh.resolveName("interactive_markers")),
+        frame_id_(context.frame_id),
+        drag_(context.drag_grasp) {
     // The server's own topic: shared, so that the server can wait until somebody listens.
-    topics_.push_back(
-        Topic::advertise<visualization_msgs::InteractiveMarkerUpdate>(context.private_nh, "interactive_markers/update"));
+    topics_.push_back(Topic::advertise<visualization_msgs::InteractiveMarkerUpdate>(context.private_nh,
+                                                                                    "interactive_markers/update"));
   }
 
   void publish(const Instant& instant) override {

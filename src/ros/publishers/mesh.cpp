@@ -23,14 +23,14 @@ msg::BodyMesh mesh_message(const Body& body) {
   return message;
 }
 
-/// Needs no snapshot, so it is never wanted from the simulation: a subscriber's arrival makes the message, which is what
-/// latching means to it.
+/// Needs no snapshot, so it is never wanted from the simulation: a subscriber's arrival makes the message, which is
+/// what latching means to it.
 class Meshes : public Publisher {
  public:
   explicit Meshes(const PublisherContext& context) {
     for (const Body& body : context.model->bodies) {
       const auto publish_to = [model = context.model, &body, frame_id = context.frame_id,
-                                  stamp = context.loaded](const ros::SingleSubscriberPublisher& to) {
+                               stamp = context.loaded](const ros::SingleSubscriberPublisher& to) {
         msg::BodyMesh message = mesh_message(body);
         message.header.frame_id = frame_id;
         message.header.stamp = stamp;

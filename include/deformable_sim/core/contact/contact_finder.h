@@ -38,6 +38,9 @@ class ContactFinder {
   /// near a collider (m); 0 when every contact was seen.
   double missed_motion(const Nodes& before, const Nodes& after);
 
+  /// How far the worst point ended behind the surface it was to stay in front of, m: what the time scheme left undone.
+  double violation(const Nodes& x, const ContactConstraints& contacts) const;
+
   /// Deepest contact point inside a surface at the end of the step, m; contact radius not counted.
   double penetration(const Nodes& x, const std::vector<PoseStep>& poses, const ContactConstraints& contacts);
 
@@ -65,8 +68,9 @@ class ContactFinder {
   struct Plane {
     std::int64_t key;  // shape and point, ascending
     int shape;
-    Vec3 normal, point;  // collider frame
-    double end_offset;   // normal . p of the surface at the end of the step, world frame
+    Vec3 normal, point;   // collider frame
+    double end_offset;    // normal . p of the surface at the end of the step, world frame
+    double asked_offset;  // the same where the point is asked to be; lower than the surface for one on its way out
   };
   struct Point {
     Vec3 p;
@@ -82,7 +86,7 @@ class ContactFinder {
                      ContactConstraints* contacts);
   void add_plane(int shape, const ContactPoint& point, const Vec3& p, SurfacePoint surface, std::int64_t key,
                  const PoseStep& pose, double dt, ContactConstraints* contacts);
-  void keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface) const;
+  void keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface);
   bool implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const;
 
   const Model* model_;
@@ -93,6 +97,7 @@ class ContactFinder {
   std::vector<double> node_reach_;
   std::vector<int> contact_of_node_;  // index of the node's plane on the shape at hand, or -1
   std::vector<Plane> planes_, last_planes_;
+  size_t last_plane_ = 0;  // how far last_planes_ has been searched in this step
 };
 
 /// Deepest node, edge middle or face centroid of any body inside a collider, m; 0 when none is inside. For tests and

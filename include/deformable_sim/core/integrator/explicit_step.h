@@ -31,7 +31,8 @@ class ExplicitStep {
   };
   void resolve_contacts(double drift, State* s);
   void resolve(const ContactConstraint& c, double drift, Contact* contact, State* s) const;
-  void apply(const ContactConstraint& c, const Vec3& impulse, double move, State* s) const;
+  void add_to_velocities(const ContactConstraint& c, const Vec3& impulse, State* s) const;
+  void add_to_positions(const ContactConstraint& c, const Vec3& moment, State* s) const;
 
   double dt_ = 0.0;
   Dynamics* dynamics_ = nullptr;

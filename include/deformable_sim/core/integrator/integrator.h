@@ -57,7 +57,7 @@ struct SolverSettings {
   Linear linear = Linear::kConjugateGradient;
   int newton_iterations = 8;        // at most, per step
   double tolerance = 0.02;          // RMS unbalanced acceleration at which Newton stops, m/s^2
-  double linear_tolerance = 1e-2;   // relative residual of one linear solve
+  double linear_tolerance = 0.1;    // relative residual of one linear solve
   int linear_iterations = 200;      // at most, per linear solve
 };
 

@@ -10,7 +10,7 @@ namespace deformable_sim {
 
 /// On the contact point p with gap g and tangential displacement u relative to the surface, in this step:
 ///
-///   normal force    k max(0, -g),   k = 1000 m / dt^2: the gap is a thousandth of what free motion would have made it
+///   normal force    k max(0, -g),   k = 100 m / dt^2: the gap is a hundredth of what free motion would have made it
 ///   friction       -min(s, mu lambda / |u|) u,   s = max(k, mu lambda / (creep dt))
 ///
 /// lambda is the normal force of an earlier Newton iterate, so that the forces of one iterate have a convex potential.

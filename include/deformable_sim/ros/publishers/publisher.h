@@ -21,12 +21,12 @@ struct Instant {
   Snapshot snapshot;
   ros::Time stamp;
   bool paused = false;
-  std::string failure;                 // why the simulation stopped; empty while it is well
-  bool behind = false;                 // real time is not held
-  double real_time_factor = 0.0;       // 0 = not measured yet
-  double mean_step_seconds = 0.0;      // wall s
+  std::string failure;             // why the simulation stopped; empty while it is well
+  bool behind = false;             // real time is not held
+  double real_time_factor = 0.0;   // 0 = not measured yet
+  double mean_step_seconds = 0.0;  // wall s
   double longest_step_seconds = 0.0;
-  std::vector<std::string> warnings;   // the core's and the node's
+  std::vector<std::string> warnings;  // the core's and the node's
 };
 
 /// What publishers of one scene are made from.
@@ -35,7 +35,7 @@ struct PublisherContext {
   std::string frame_id;   // of all messages
   std::string node_name;  // without leading slash; prefix of tf frames
   std::shared_ptr<const Model> model;
-  ros::Time loaded;       // stamp of what is published once per scene
+  ros::Time loaded;  // stamp of what is published once per scene
   OutputSpec outputs;
   /// A person drags the handle of a grasp.
   std::function<void(const std::string& grasp, const geometry_msgs::PoseStamped& target)> drag_grasp;

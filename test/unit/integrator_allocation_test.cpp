@@ -1,0 +1,62 @@
+// A warm step takes no memory from the heap.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "support/system.h"
+
+namespace {
+
+thread_local bool counting = false;
+thread_local long allocations = 0;
+
+}  // namespace
+
+// Eigen takes its memory from malloc, the standard library from operator new, which calls malloc: one hook sees both.
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* malloc(std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_malloc(size);
+}
+
+namespace deformable_sim::test {
+namespace {
+
+class WarmStep : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Registry, WarmStep, testing::ValuesIn(integrator_names()),
+                         [](const auto& info) { return info.param; });
+
+TEST_P(WarmStep, AllocatesNothing) {
+  const TriangleMesh mesh = make_grid(0.3, 0.3, 5, 5);
+  SheetStiffness stiffness;
+  stiffness.membrane = 100.0;
+  stiffness.damping_time = 1e-3;
+  System body(mesh.rest, sheet_masses(mesh, 0.2));
+  body.add_springs(sheet_network(mesh, stiffness)).add_gravity();
+  body.add(make_sheet_drag(mesh.triangles, {})).add(make_mass_damping(body.mass, 0.1)).hold(0);
+  const auto integrator = make_integrator(GetParam(), {});
+  body.dynamics.contacts.assign(36, {});
+  for (int i = 0; i < 36; ++i) {
+    body.dynamics.contacts[static_cast<size_t>(i)].node[0] = i;
+    body.dynamics.contacts[static_cast<size_t>(i)].friction = 0.4;
+    body.dynamics.contacts[static_cast<size_t>(i)].offset = -1e-5;
+  }
+  for (int k = 0; k < 5; ++k) body.step(*integrator, 1e-3);
+  allocations = 0;
+  counting = true;
+  for (int k = 0; k < 5; ++k) body.step(*integrator, 1e-3);
+  counting = false;
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST(WarmStep, HasAHookThatSeesAllocations) {
+  allocations = 0;
+  counting = true;
+  { const Eigen::VectorXd vector = Eigen::VectorXd::Zero(100); EXPECT_EQ(vector.size(), 100); }
+  counting = false;
+  EXPECT_GT(allocations, 0);
+}
+
+}  // namespace
+}  // namespace deformable_sim::test
