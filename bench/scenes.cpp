@@ -14,20 +14,24 @@ std::string cells(int nodes_x, int nodes_y) {
   return "cells: [" + std::to_string(nodes_x - 1) + ", " + std::to_string(nodes_y - 1) + "]";
 }
 
-const char* const kUpright = "pose: {position: [0, 0, 1.5], rpy: [1.5707963267948966, 0, 0]}, pins: [corner_2, corner_3]";
+const char* const kUpright =
+    "pose: {position: [0, 0, 1.5], rpy: [1.5707963267948966, 0, 0]}, pins: [corner_2, corner_3]";
 
 }  // namespace
 
 std::string falling_towel() {
   return "bodies:\n"
-         "  - cloth: {name: towel, size: [0.6, 0.45], " + cells(40, 30) + ", pose: {position: [0, 0, 0.1]}}\n"
+         "  - cloth: {name: towel, size: [0.6, 0.45], " +
+         cells(40, 30) +
+         ", pose: {position: [0, 0, 0.1]}}\n"
          "colliders:\n"
          "  - box: {name: table, size: [0.5, 0.8, 0.1], pose: {position: [0, 0, -0.05]}}\n";
 }
 
 std::string hanging_towel() {
   return "bodies:\n"
-         "  - cloth: {name: towel, size: [0.6, 0.45], " + cells(40, 30) + ", " + kUpright + "}\n";
+         "  - cloth: {name: towel, size: [0.6, 0.45], " +
+         cells(40, 30) + ", " + kUpright + "}\n";
 }
 
 std::string hanging_sheet(int side, Accuracy accuracy, double damping) {
@@ -40,18 +44,22 @@ std::string hanging_sheet(int side, Accuracy accuracy, double damping) {
 
 std::string sheet_on_sphere(int side) {
   return "bodies:\n"
-         "  - cloth: {name: sheet, size: [1.0, 1.0], " + cells(side, side) + ", pose: {position: [0, 0, 0.3]}}\n"
+         "  - cloth: {name: sheet, size: [1.0, 1.0], " +
+         cells(side, side) +
+         ", pose: {position: [0, 0, 0.3]}}\n"
          "colliders:\n"
          "  - sphere: {name: ball, radius: 0.25}\n";
 }
 
 std::string rope(int nodes) {
   return "bodies:\n"
-         "  - rope: {name: rope, length: 1.0, segments: " + std::to_string(nodes - 1) +
-         ", pose: {position: [0, 0, 1]}, pins: [end_0]}\n";
+         "  - rope: {name: rope, length: 1.0, segments: " +
+         std::to_string(nodes - 1) + ", pose: {position: [0, 0, 1]}, pins: [end_0]}\n";
 }
 
-std::unique_ptr<World> build(const std::string& text) { return build_world(load_scene_text(text, "bench")); }
+std::unique_ptr<World> build(const std::string& text) {
+  return build_world(load_scene_text(text, "bench"));
+}
 
 double max_strain(const World& world) {
   double largest = 0.0;

@@ -35,19 +35,34 @@ void measure(benchmark::State& state, const std::string& scene) {
   state.counters["max_penetration"] = penetration;
 }
 
-void towel_falling(benchmark::State& state) { measure(state, falling_towel()); }
-void towel_hanging(benchmark::State& state) { measure(state, hanging_towel()); }
+void towel_falling(benchmark::State& state) {
+  measure(state, falling_towel());
+}
+void towel_hanging(benchmark::State& state) {
+  measure(state, hanging_towel());
+}
 void sheet_hanging(benchmark::State& state) {
   measure(state, hanging_sheet(static_cast<int>(state.range(0)), Accuracy::kShipped, 0.0));
 }
-void sheet_sphere(benchmark::State& state) { measure(state, sheet_on_sphere(static_cast<int>(state.range(0)))); }
-void rope_swinging(benchmark::State& state) { measure(state, rope(static_cast<int>(state.range(0)))); }
+void sheet_sphere(benchmark::State& state) {
+  measure(state, sheet_on_sphere(static_cast<int>(state.range(0))));
+}
+void rope_swinging(benchmark::State& state) {
+  measure(state, rope(static_cast<int>(state.range(0))));
+}
 
 BENCHMARK(towel_falling)->Iterations(kSteps)->Unit(benchmark::kMillisecond);
 BENCHMARK(towel_hanging)->Iterations(kSteps)->Unit(benchmark::kMillisecond);
 BENCHMARK(sheet_hanging)->Arg(16)->Arg(31)->Arg(61)->Iterations(kSteps)->Unit(benchmark::kMillisecond);
 BENCHMARK(sheet_sphere)->Arg(16)->Arg(31)->Iterations(kSteps)->Unit(benchmark::kMillisecond);
-BENCHMARK(rope_swinging)->Arg(50)->Arg(100)->Arg(200)->Arg(500)->Arg(1000)->Iterations(kSteps)->Unit(benchmark::kMillisecond);
+BENCHMARK(rope_swinging)
+    ->Arg(50)
+    ->Arg(100)
+    ->Arg(200)
+    ->Arg(500)
+    ->Arg(1000)
+    ->Iterations(kSteps)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace bench

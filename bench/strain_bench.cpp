@@ -7,9 +7,9 @@ namespace deformable_sim {
 namespace bench {
 namespace {
 
-constexpr double kDamping = 4.0;        // 1/s: brings the sheet to rest without changing where it rests
-constexpr double kRestSpeed = 1e-4;     // m/s, RMS
-constexpr double kLongest = 60.0;       // s of simulated time
+constexpr double kDamping = 4.0;     // 1/s: brings the sheet to rest without changing where it rests
+constexpr double kRestSpeed = 1e-4;  // m/s, RMS
+constexpr double kLongest = 60.0;    // s of simulated time
 
 /// Steps until the sheet rests; the strain it rests at.
 double settle(World* world, benchmark::State* state) {

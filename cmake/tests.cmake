@@ -1,5 +1,5 @@
 # gtest binaries, one a folder of test/; ROS tests are in ros_targets.cmake.
-find_package(GTest REQUIRED)
+find_package(GTest CONFIG REQUIRED)
 find_package(Threads REQUIRED)
 enable_testing()
 foreach(group unit verify regression scene)

@@ -82,7 +82,8 @@ def joint(name, kind, parent, child, xyz=(0, 0, 0), axis=None, limit=None):
     lines = ['  <joint name=%s type="%s">' % (quoteattr(name), kind),
              '    <parent link="%s"/><child link="%s"/><origin xyz="%s"/>' % (parent, child, numbers(xyz))]
     if axis:
-        lines.append('    <axis xyz="%s"/><limit lower="%g" upper="%g" effort="%g" velocity="%g"/>' % ((numbers(axis),) + limit))
+        lines.append('    <axis xyz="%s"/>' % numbers(axis))
+        lines.append('    <limit lower="%g" upper="%g" effort="%g" velocity="%g"/>' % limit)
     return '\n'.join(lines + ['  </joint>'])
 
 
@@ -180,6 +181,7 @@ def robot():
 
 
 if __name__ == '__main__':
-    output = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), 'two_arm_robot.urdf')
+    beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'two_arm_robot.urdf')
+    output = sys.argv[1] if len(sys.argv) > 1 else beside
     with open(output, 'w') as f:
         f.write(robot())

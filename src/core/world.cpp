@@ -133,7 +133,6 @@ void World::Parts::restore_last_good() {
   grasps.restore_motions(good_grasps);
   colliders.restore_motions(good_colliders);
   if (contacts) contacts->forget_sides();
-  integrator->reset();
 }
 
 bool World::Parts::state_is_sane() const {

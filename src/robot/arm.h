@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include <urdf/model.h>
 #include <kdl/chain.hpp>
 #include <kdl/frames.hpp>
 #include <kdl/jntarray.hpp>
 #include <kdl/tree.hpp>
-#include <urdf/model.h>
 
 namespace robot_demo {
 

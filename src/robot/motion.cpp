@@ -52,7 +52,8 @@ ArmSpec read_arm(XmlRpcValue v, const std::string& where) {
   ArmSpec arm;
   arm.tip = text(v["tip"], where + ".tip");
   if (v.hasMember("fingers")) {
-    for (const XmlRpcValue& name : list(v["fingers"], where + ".fingers")) arm.fingers.push_back(text(name, where + ".fingers"));
+    for (const XmlRpcValue& name : list(v["fingers"], where + ".fingers"))
+      arm.fingers.push_back(text(name, where + ".fingers"));
   }
   return arm;
 }
@@ -107,7 +108,8 @@ Step read_step(XmlRpcValue v, const Motion& motion, const std::string& where) {
   if (v.hasMember("phase")) step.phase = text(v["phase"], where + ".phase");
   if (v.hasMember("duration")) step.duration = number(v["duration"], where + ".duration");
   if (first ? step.duration != 0 : step.duration <= 0) {
-    refuse(where + ".duration", first ? "the first step is where the arms start: leave it out" : "must be more than 0 s");
+    refuse(where + ".duration",
+           first ? "the first step is where the arms start: leave it out" : "must be more than 0 s");
   }
   if (v.hasMember("pass")) {
     if (v["pass"].getType() != XmlRpcValue::TypeBoolean) refuse(where + ".pass", "must be true or false");
@@ -126,10 +128,12 @@ Step read_step(XmlRpcValue v, const Motion& motion, const std::string& where) {
     }
   }
   if (v.hasMember("grasp")) {
-    for (const XmlRpcValue& grasp : list(v["grasp"], where + ".grasp")) step.grasps.push_back(read_grasp(grasp, where + ".grasp"));
+    for (const XmlRpcValue& grasp : list(v["grasp"], where + ".grasp"))
+      step.grasps.push_back(read_grasp(grasp, where + ".grasp"));
   }
   if (v.hasMember("release")) {
-    for (const XmlRpcValue& name : list(v["release"], where + ".release")) step.releases.push_back(text(name, where + ".release"));
+    for (const XmlRpcValue& name : list(v["release"], where + ".release"))
+      step.releases.push_back(text(name, where + ".release"));
   }
   return step;
 }

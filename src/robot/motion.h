@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Geometry>
 #include <XmlRpcValue.h>
+#include <Eigen/Geometry>
 
 #include "deformable_sim/Grasp.h"
 
@@ -18,24 +18,24 @@ struct ArmSpec {
 };
 
 struct Goal {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();                // m
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
-  double opening = 0.0;                                              // m, between the fingers
+  double opening = 0.0;  // m, between the fingers
 };
 
 struct Step {
   std::string phase;
-  double duration = 0.0;                   // s, from the step before
-  bool pass = false;                       // go through without stopping
-  std::map<std::string, Goal> goals;       // of every arm, at the end of the step
+  double duration = 0.0;                               // s, from the step before
+  bool pass = false;                                   // go through without stopping
+  std::map<std::string, Goal> goals;                   // of every arm, at the end of the step
   std::vector<deformable_sim::Grasp::Request> grasps;  // asked for at the end of the step
   std::vector<std::string> releases;
 };
 
 struct Motion {
-  std::string frame;                       // of all positions: a link of the robot
+  std::string frame;  // of all positions: a link of the robot
   std::map<std::string, ArmSpec> arms;
-  std::vector<Step> steps;                 // the first one is where the arms start
+  std::vector<Step> steps;  // the first one is where the arms start
 };
 
 /// Reads the parameter tree of a config/demo file. Throws std::runtime_error saying which step and key is wrong.

@@ -11,10 +11,10 @@
 #include <algorithm>
 #include <iostream>
 
-#include <kdl_parser/kdl_parser.hpp>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 #include <std_msgs/String.h>
+#include <kdl_parser/kdl_parser.hpp>
 
 #include "deformable_sim/Release.h"
 #include "plan.h"
@@ -23,9 +23,9 @@ namespace {
 
 using namespace robot_demo;
 
-constexpr double kRate = 100.0;         // Hz, of the joint states
+constexpr double kRate = 100.0;  // Hz, of the joint states
 constexpr int kGraspAttempts = 3;
-constexpr double kGraspPause = 0.5;     // s, between attempts
+constexpr double kGraspPause = 0.5;  // s, between attempts
 
 class Demo {
  public:

@@ -12,7 +12,7 @@ constexpr double kPlaneSize = 10.0;        // m
 constexpr double kPlaneThickness = 0.002;  // m
 constexpr double kBall = 0.02;             // m
 constexpr double kLetter = 0.03;           // m
-constexpr std::array<float, 3> kSolid{{0.55f, 0.58f, 0.62f}};
+constexpr std::array<float, 3> kSolid{{0.70f, 0.73f, 0.77f}};
 
 Marker solid(int type, const Pose& pose, const Vec3& size, const std::array<float, 3>& color) {
   Marker marker;
@@ -46,7 +46,7 @@ void add_shape(const Shape& shape, const Pose& pose, std::vector<Marker>* marker
       break;
     case Shape::Type::kPlane:
       markers->push_back(solid(Marker::CUBE, shifted(-0.5 * kPlaneThickness),
-                               Vec3(kPlaneSize, kPlaneSize, kPlaneThickness), {{0.42f, 0.42f, 0.40f}}));
+                               Vec3(kPlaneSize, kPlaneSize, kPlaneThickness), {{0.75f, 0.75f, 0.72f}}));
       break;
   }
 }

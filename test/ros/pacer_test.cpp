@@ -10,6 +10,7 @@ constexpr double kStart = 1000.0;  // s
 constexpr double kExact = 1e-6;    // s: ROS times are nanoseconds, doubles at 1000 s hold 1e-13
 
 void set_clock(double seconds) {
+  ros::Time::init();
   ros::Time::setNow(ros::Time(seconds));
 }
 

@@ -84,7 +84,7 @@ class System {
 inline SolverSettings exact_settings(double tolerance = 1e-9) {
   SolverSettings settings;
   settings.linear = SolverSettings::Linear::kDirect;
-  settings.newton_iterations = 300;
+  settings.newton_iterations = 100;
   settings.tolerance = tolerance;
   return settings;
 }

@@ -30,8 +30,13 @@ Air gusty_air() {
 }
 
 std::unique_ptr<Energy> springs(double damping) {
-  return make_springs("springs", {{0, 1, 1.0, 300.0, damping}, {1, 2, 0.8, 50.0, damping}, {0, 2, 1.3, 7.0, damping},
-                                  {3, 1, 1.1, 120.0, damping}, {4, 3, 0.9, 90.0, damping}}, 0);
+  return make_springs("springs",
+                      {{0, 1, 1.0, 300.0, damping},
+                       {1, 2, 0.8, 50.0, damping},
+                       {0, 2, 1.3, 7.0, damping},
+                       {3, 1, 1.1, 120.0, damping},
+                       {4, 3, 0.9, 90.0, damping}},
+                      0);
 }
 
 /// By the name of the constructor or class in terms.h.
@@ -39,15 +44,27 @@ const std::multimap<std::string, Case>& cases() {
   static const std::multimap<std::string, Case> all = {
       {"make_springs", {true, [] { return springs(0.0); }}},
       {"make_springs", {true, [] { return springs(2.5); }}},
-      {"make_gravity", {true, [] { return make_gravity(Eigen::VectorXd::LinSpaced(kNodes, 0.1, 2.0), Vec3(1, 2, -9.81)); }}},
-      {"make_mass_damping", {false, [] { return make_mass_damping(Eigen::VectorXd::LinSpaced(kNodes, 0.1, 2.0), 0.7); }}},
-      {"make_sheet_drag", {false, [] { return make_sheet_drag({{0, 1, 2}, {1, 2, 3}, {4, 3, 0}}, gusty_air()); }}},
-      {"make_line_drag", {false, [] { return make_line_drag({{0, 1}, {1, 2}, {4, 2}}, 0.02, gusty_air()); }}},
-      {"TargetSprings", {true, [] {
-         auto term = std::make_unique<TargetSprings>(std::vector<int>{1, 3}, 40.0);
-         term->set_targets((Nodes(3, 2) << 1, 2, 3, 4, 5, 6).finished());
-         return term;
-       }}},
+      {"make_gravity",
+       {true, [] { return make_gravity(Eigen::VectorXd::LinSpaced(kNodes, 0.1, 2.0), Vec3(1, 2, -9.81)); }}},
+      {"make_mass_damping",
+       {false, [] { return make_mass_damping(Eigen::VectorXd::LinSpaced(kNodes, 0.1, 2.0), 0.7); }}},
+      {"make_sheet_drag",
+       {false,
+        [] {
+          return make_sheet_drag({{0, 1, 2}, {1, 2, 3}, {4, 3, 0}}, gusty_air());
+        }}},
+      {"make_line_drag",
+       {false,
+        [] {
+          return make_line_drag({{0, 1}, {1, 2}, {4, 2}}, 0.02, gusty_air());
+        }}},
+      {"TargetSprings",
+       {true,
+        [] {
+          auto term = std::make_unique<TargetSprings>(std::vector<int>{1, 3}, 40.0);
+          term->set_targets((Nodes(3, 2) << 1, 2, 3, 4, 5, 6).finished());
+          return term;
+        }}},
   };
   return all;
 }

@@ -6,7 +6,9 @@
 namespace deformable_sim::test {
 namespace {
 
-Nodes two_points(double distance) { return (Nodes(3, 2) << 0, distance, 0, 0, 0, 0).finished(); }
+Nodes two_points(double distance) {
+  return (Nodes(3, 2) << 0, distance, 0, 0, 0, 0).finished();
+}
 
 TEST(Spring, StretchedEndsAttractAndCompressedEndsRepel) {
   // f on i = k (|d| - L) d / |d| towards j.

@@ -53,7 +53,10 @@ TEST_P(WarmStep, AllocatesNothing) {
 TEST(WarmStep, HasAHookThatSeesAllocations) {
   allocations = 0;
   counting = true;
-  { const Eigen::VectorXd vector = Eigen::VectorXd::Zero(100); EXPECT_EQ(vector.size(), 100); }
+  {
+    const Eigen::VectorXd vector = Eigen::VectorXd::Zero(100);
+    EXPECT_EQ(vector.size(), 100);
+  }
   counting = false;
   EXPECT_GT(allocations, 0);
 }

@@ -77,8 +77,8 @@ TEST_P(EveryScheme, KeepsARestingBodyAtRest) {
 }
 
 TEST_P(EveryScheme, HoldsAFallingFaceOnAPlane) {
-  // A contact point inside a face shares its force over three nodes of unlike masses: m g in total, no rotation left over
-  // when the point is the centre of mass.
+  // A contact point inside a face shares its force over three nodes of unlike masses: m g in total, no rotation left
+  // over when the point is the centre of mass.
   System body((Nodes(3, 3) << 0, 1, 0, 0, 0, 1, 0.002, 0.002, 0.002).finished(), Eigen::Vector3d(0.2, 0.2, 0.2));
   body.add_gravity();
   body.build_pattern({{0, 1}, {1, 2}, {0, 2}});
@@ -105,7 +105,8 @@ TEST(MakeIntegrator, RefusesAnUnknownNameWithTheAllowedOnes) {
     make_integrator("verlet", {});
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("explicit_euler, symplectic_euler, rk4, implicit_euler"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("explicit_euler, symplectic_euler, rk4, implicit_euler"),
+              std::string::npos);
   }
 }
 

@@ -59,6 +59,26 @@ TEST(GridNetwork, GivesAFreeEdgeHalf) {
   EXPECT_NEAR(find(network.bend, 2, 4).stiffness, 1.0, 1e-12);
 }
 
+TEST(GridNetwork, CarriesTheSameTensionThroughEveryCellOfARow) {
+  // At strain e a structural spring carries k1 a e, a bend spring over the cell k3 2a e: their sum must not depend on
+  // the cell, though the first and the last one are crossed by one bend spring only.
+  SheetStiffness stiffness;
+  stiffness.membrane = 261.0;
+  const int cells = 6;
+  const SpringNetwork network = sheet_network(make_grid(1, 1, cells, cells), stiffness);
+  const int row = 3 * (cells + 1);
+  std::vector<double> tension;
+  for (int c = 0; c < cells; ++c) {
+    double sum = find(network.stretch, row + c, row + c + 1).stiffness;
+    for (const SpringLink& link : network.bend) {
+      if (link.a >= row && link.b <= row + cells && link.a <= row + c && link.b >= row + c + 1)
+        sum += 2.0 * link.stiffness;
+    }
+    tension.push_back(sum);
+  }
+  for (double t : tension) EXPECT_NEAR(t, tension[2], 1e-12 * tension[2]);
+}
+
 TEST(GridNetwork, LeavesOutWhatIsZero) {
   SheetStiffness stiffness;
   stiffness.membrane = 100.0;

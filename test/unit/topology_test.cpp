@@ -44,7 +44,8 @@ TEST(Grid, FacesLookUpAndCoverTheArea) {
   const TriangleMesh mesh = make_grid(0.8, 0.3, 5, 4);
   double area = 0.0;
   for (const auto& t : mesh.triangles) {
-    const Vec3 normal = Vec3(mesh.rest.col(t[1]) - mesh.rest.col(t[0])).cross(Vec3(mesh.rest.col(t[2]) - mesh.rest.col(t[0])));
+    const Vec3 normal =
+        Vec3(mesh.rest.col(t[1]) - mesh.rest.col(t[0])).cross(Vec3(mesh.rest.col(t[2]) - mesh.rest.col(t[0])));
     EXPECT_GT(normal.z(), 0.0);
     area += 0.5 * normal.z();
   }
@@ -66,7 +67,8 @@ TEST(Grid, CutsNeighbouringCellsAlongDifferentDiagonals) {
 TEST(Grid, KeepsTheEulerCharacteristicOfADisc) {
   const TriangleMesh mesh = make_grid(1, 2, 7, 5);
   const auto edges = edges_of(mesh);
-  EXPECT_EQ(mesh.rest.cols() - static_cast<Eigen::Index>(edges.size()) + static_cast<Eigen::Index>(mesh.triangles.size()), 1);
+  EXPECT_EQ(
+      mesh.rest.cols() - static_cast<Eigen::Index>(edges.size()) + static_cast<Eigen::Index>(mesh.triangles.size()), 1);
   // Every edge but the boundary's 2 (7 + 5) is a hinge.
   EXPECT_EQ(hinges_of(mesh).size(), edges.size() - 24);
 }

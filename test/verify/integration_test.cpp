@@ -95,13 +95,13 @@ double pendulum_period(double degrees) {
   system.add(make_springs("rod", {{0, 1, 1.0, 1e6, 10.0}}, 0)).add_gravity().hold(0);
   const auto integrator = make_integrator("rk4", {});
   std::vector<double> passages;
-  while (passages.size() < 2) {
+  while (passages.size() < 2 && system.state.time < 10.0) {
     const double before = system.state.x(0, 1);
     system.step(*integrator, dt);
     const double after = system.state.x(0, 1);
     if (before * after < 0.0) passages.push_back(system.state.time - dt * after / (after - before));
   }
-  return 2.0 * (passages[1] - passages[0]);
+  return passages.size() < 2 ? 0.0 : 2.0 * (passages[1] - passages[0]);
 }
 
 TEST(Pendulum, SwingsWithThePeriodOfTheEllipticIntegral) {
@@ -135,7 +135,7 @@ TEST(FreeSheet, KeepsItsMomenta) {
       return sum;
     };
     const Vec3 linear_start = linear(), angular_start = angular();
-    const auto integrator = make_integrator(name, exact_settings(1e-10));
+    const auto integrator = make_integrator(name, exact_settings(1e-8));
     for (int k = 0; k < 300; ++k) sheet.step(*integrator, 2e-4);
     EXPECT_LT((linear() - linear_start).norm(), 1e-10) << name;
     if (name == "symplectic_euler") EXPECT_LT((angular() - angular_start).norm(), 1e-10);
@@ -170,7 +170,7 @@ Nodes end_of_smooth_motion(const std::string& name, int steps) {
   stiffness.axial = 20.0;
   stiffness.damping_time = 5e-3;
   system.add_springs(line_network(line, stiffness)).add_gravity().hold(0);
-  const auto integrator = make_integrator(name, exact_settings(1e-11));
+  const auto integrator = make_integrator(name, exact_settings(2e-6));
   const double time = 0.2;
   for (int k = 0; k < steps; ++k) system.step(*integrator, time / steps);
   return system.state.x;
@@ -181,7 +181,7 @@ TEST(EveryScheme, ConvergesWithTheOrderItClaims) {
   for (const std::string& name : integrator_names()) {
     const int order = make_integrator(name, {})->order();
     std::vector<double> steps, errors;
-    for (int count = order == 1 ? 800 : 50; errors.size() < 5; count *= 2) {
+    for (int count = order == 1 ? 400 : 50; errors.size() < 5; count *= 2) {
       steps.push_back(1.0 / count);
       errors.push_back((end_of_smooth_motion(name, count) - reference).norm());
     }

@@ -99,8 +99,10 @@ TriangleMesh irregular_mesh(double length, double width, int cells) {
     const bool up = r % 2 == 0;
     const int narrow = first[static_cast<size_t>(up ? r : r + 1)], wide = first[static_cast<size_t>(up ? r + 1 : r)];
     const auto add = [&](int a, int b, int c) {
-      if (up) mesh.triangles.push_back({a, b, c});
-      else mesh.triangles.push_back({a, c, b});
+      if (up)
+        mesh.triangles.push_back({a, b, c});
+      else
+        mesh.triangles.push_back({a, c, b});
     };
     for (int c = 0; c <= cells; ++c) {
       add(narrow + c, wide + c + 1, wide + c);

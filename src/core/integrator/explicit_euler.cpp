@@ -27,6 +27,8 @@ class ExplicitEuler : public Integrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_explicit_euler() { return std::make_unique<ExplicitEuler>(); }
+std::unique_ptr<Integrator> make_explicit_euler() {
+  return std::make_unique<ExplicitEuler>();
+}
 
 }  // namespace deformable_sim

@@ -20,15 +20,15 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kEnough = 0.9;          // a step may turn p.r round by this much ...
-constexpr double kMostGrowth = 1.5;      // ... or leave this much of it
-constexpr double kInexact = 0.3;         // beyond this, the secant is tried
-constexpr double kFarthest = 4.0;        // of a secant, in units of the Newton step
+constexpr double kEnough = 0.9;      // a step may turn p.r round by this much ...
+constexpr double kMostGrowth = 1.5;  // ... or leave this much of it
+constexpr double kInexact = 0.3;     // beyond this, the secant is tried
+constexpr double kFarthest = 4.0;    // of a secant, in units of the Newton step
 constexpr double kLeastLeft = 1.0 - 1.0 / kFarthest;
-constexpr int kHalvings = 8;             // of a Newton step, at most
-constexpr double kLinearShare = 0.3;     // of the Newton tolerance that the linear solve may leave
-constexpr double kAtRest = 1e-3;         // of the tolerance: below, a step may take no Newton iteration at all
-constexpr int kFrictionIterations = 5;   // Newton iterations in which friction follows the normal force
+constexpr int kHalvings = 8;            // of a Newton step, at most
+constexpr double kLinearShare = 0.3;    // of the Newton tolerance that the linear solve may leave
+constexpr double kAtRest = 1e-3;        // of the tolerance: below, a step may take no Newton iteration at all
+constexpr int kFrictionIterations = 5;  // Newton iterations in which friction follows the normal force
 
 class ImplicitEuler : public Integrator {
  public:
@@ -206,8 +206,8 @@ class ImplicitEuler : public Integrator {
     return step_.allFinite();
   }
 
-  /// Moves trial_ along step_. No potential is needed, so drag and friction fit: the work p.r must not turn round by more
-  /// than kEnough of what it was.
+  /// Moves trial_ along step_. No potential is needed, so drag and friction fit: the work p.r must not turn round by
+  /// more than kEnough of what it was.
   void search_along_step() {
     const double slope = step_.cwiseProduct(residual_).sum();
     before_ = trial_.x;
@@ -218,7 +218,8 @@ class ImplicitEuler : public Integrator {
       if (unbalanced(residual_) <= settings_.tolerance) return;
       const double ratio = step_.cwiseProduct(residual_).sum() / slope;
       if (!(ratio >= -kEnough && ratio <= kMostGrowth)) continue;
-      if (std::abs(ratio) > kInexact) try_fraction(ratio < kLeastLeft ? fraction / (1.0 - ratio) : kFarthest * fraction);
+      if (std::abs(ratio) > kInexact)
+        try_fraction(ratio < kLeastLeft ? fraction / (1.0 - ratio) : kFarthest * fraction);
       return;
     }
   }

@@ -6,7 +6,7 @@ namespace deformable_sim {
 namespace {
 
 constexpr double kStiffness = 100.0;  // of a contact, in units of its inertia m / dt^2
-constexpr double kCreep = 5e-4;        // m/s: sticking contacts creep no faster, whatever they carry
+constexpr double kCreep = 5e-4;       // m/s: sticking contacts creep no faster, whatever they carry
 
 }  // namespace
 

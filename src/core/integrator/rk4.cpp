@@ -48,6 +48,8 @@ class RungeKutta4 : public Integrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_rk4() { return std::make_unique<RungeKutta4>(); }
+std::unique_ptr<Integrator> make_rk4() {
+  return std::make_unique<RungeKutta4>();
+}
 
 }  // namespace deformable_sim

@@ -27,6 +27,8 @@ class SymplecticEuler : public Integrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_symplectic_euler() { return std::make_unique<SymplecticEuler>(); }
+std::unique_ptr<Integrator> make_symplectic_euler() {
+  return std::make_unique<SymplecticEuler>();
+}
 
 }  // namespace deformable_sim

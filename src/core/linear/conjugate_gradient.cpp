@@ -1,7 +1,6 @@
 // Preconditioned conjugate gradients in single precision, refined in double precision.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <vector>
 
 #include <Eigen/LU>
@@ -30,7 +29,7 @@ inline Eigen::Vector4f times(const Padded3& block, const float* x) {
 class ConjugateGradient : public LinearSolver {
  public:
   void prepare(const BlockMatrix& a) override {
-    factor_.analyse(a);
+    factor_.prepare(a);
     const auto n = static_cast<size_t>(a.rows());
     blocks_.resize(static_cast<size_t>(a.block_count()));
     inverse_.resize(n);

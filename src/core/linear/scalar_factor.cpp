@@ -1,8 +1,8 @@
 #include "deformable_sim/core/linear/scalar_factor.h"
 
 #include <algorithm>
+#include <numeric>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 
 namespace deformable_sim {
@@ -11,29 +11,26 @@ namespace {
 // Between a spring's stiffness along itself and the mean over all directions; half of the former needs fewest
 // iterations.
 constexpr double kWeight = 0.5;
-// A factor is renewed when this many row sums differ by more than this ratio: each stale one costs about an iteration.
-constexpr int kStaleRows = 8;
+// A factor is renewed when more than one row sum in this many has changed by more than the ratio. Some ten stale rows
+// cost an iteration, a new factor costs as much as seven.
+constexpr int kStaleShare = 25;
 constexpr float kStaleRatio = 2.0f;
 
-double largest_eigenvalue(const Mat3& block) {
-  const Mat3 symmetric = 0.5 * (block + block.transpose());
-  return Eigen::SelfAdjointEigenSolver<Mat3>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[2];
+/// Stiffness of a link: for one spring, whose block is -k n n^T, exactly k.
+double link_weight(const Mat3& block) {
+  return kWeight * block.norm();
 }
 
-/// Graph Laplacian of the off-diagonal blocks, with a unit diagonal added: only its pattern and entries are used.
-Eigen::SparseMatrix<double> laplacian(const BlockMatrix& a) {
+/// A matrix with the pattern of `a` that has a Cholesky factor: for the elimination order and the pattern of L.
+Eigen::SparseMatrix<double> pattern_matrix(const BlockMatrix& a) {
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<size_t>(a.block_count()));
   for (int i = 0; i < a.rows(); ++i) {
-    double diagonal = 1.0;
-    for (int k = a.row_start()[static_cast<size_t>(i)]; k < a.row_start()[static_cast<size_t>(i) + 1]; ++k) {
+    const int first = a.row_start()[static_cast<size_t>(i)], last = a.row_start()[static_cast<size_t>(i) + 1];
+    for (int k = first; k < last; ++k) {
       const int j = a.column()[static_cast<size_t>(k)];
-      if (j == i) continue;
-      const double weight = kWeight * std::max(0.0, largest_eigenvalue(-a.block(k)));
-      diagonal += weight;
-      entries.emplace_back(i, j, -weight);
+      entries.emplace_back(i, j, j == i ? static_cast<double>(last - first) : -1.0);
     }
-    entries.emplace_back(i, i, diagonal);
   }
   Eigen::SparseMatrix<double> matrix(a.rows(), a.rows());
   matrix.setFromTriplets(entries.begin(), entries.end());
@@ -42,27 +39,51 @@ Eigen::SparseMatrix<double> laplacian(const BlockMatrix& a) {
 
 }  // namespace
 
+void ScalarFactor::prepare(const BlockMatrix& a) {
+  if (a.row_start() != pattern_rows_ || a.column() != pattern_columns_) analyse(a);
+  std::fill(degree_.begin(), degree_.end(), 0.0f);
+  for (size_t i = 0; i < position_.size(); ++i) {
+    for (int k = a.row_start()[i]; k < a.row_start()[i + 1]; ++k) {
+      const auto j = static_cast<size_t>(a.column()[static_cast<size_t>(k)]);
+      if (j == i) continue;
+      const auto weight = static_cast<float>(link_weight(a.block(k)));
+      degree_[static_cast<size_t>(position_[i])] += weight;
+      const int entry = weight_of_slot_[static_cast<size_t>(k)];
+      if (entry >= 0) weight_[static_cast<size_t>(entry)] = -weight;
+    }
+  }
+  factored_.setZero();
+}
+
 void ScalarFactor::analyse(const BlockMatrix& a) {
-  const Eigen::SparseMatrix<double> matrix = laplacian(a);
+  pattern_rows_ = a.row_start();
+  pattern_columns_ = a.column();
+  const Eigen::SparseMatrix<double> matrix = pattern_matrix(a);
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(matrix);
   const auto& order = factor.permutationP().indices();
   const auto n = static_cast<size_t>(a.rows());
   position_.assign(order.data(), order.data() + order.size());
 
-  Eigen::SparseMatrix<double> ordered(a.rows(), a.rows());
-  ordered = matrix.twistedBy(factor.permutationP());
   degree_.resize(n);
-  weight_start_.assign(1, 0);
-  weight_column_.clear();
-  weight_.clear();
-  for (int i = 0; i < a.rows(); ++i) {  // symmetric: column i stands for row i
-    for (Eigen::SparseMatrix<double>::InnerIterator it(ordered, i); it; ++it) {
-      if (it.row() == i) degree_[static_cast<size_t>(i)] = static_cast<float>(it.value() - 1.0);
-      if (it.row() >= i) continue;
-      weight_column_.push_back(static_cast<int>(it.row()));
-      weight_.push_back(static_cast<float>(it.value()));
+  weight_start_.assign(n + 1, 0);
+  for (size_t i = 0; i < n; ++i) {
+    for (int k = a.row_start()[i]; k < a.row_start()[i + 1]; ++k) {
+      if (position_[static_cast<size_t>(a.column()[static_cast<size_t>(k)])] < position_[i])
+        ++weight_start_[static_cast<size_t>(position_[i]) + 1];
     }
-    weight_start_.push_back(static_cast<int>(weight_column_.size()));
+  }
+  std::partial_sum(weight_start_.begin(), weight_start_.end(), weight_start_.begin());
+  weight_.resize(static_cast<size_t>(weight_start_.back()));
+  weight_column_.resize(weight_.size());
+  weight_of_slot_.assign(static_cast<size_t>(a.block_count()), -1);
+  for (size_t i = 0; i < n; ++i) {
+    int next = weight_start_[static_cast<size_t>(position_[i])];
+    for (int k = a.row_start()[i]; k < a.row_start()[i + 1]; ++k) {
+      const int column = position_[static_cast<size_t>(a.column()[static_cast<size_t>(k)])];
+      if (column >= position_[i]) continue;
+      weight_column_[static_cast<size_t>(next)] = column;
+      weight_of_slot_[static_cast<size_t>(k)] = next++;
+    }
   }
 
   const Eigen::SparseMatrix<double> lower = factor.matrixL();
@@ -105,7 +126,7 @@ void ScalarFactor::refresh(const BlockMatrix& a) {
     const auto now = row_sum_.col(i).array(), then = factored_.col(i).array();
     if ((now > kStaleRatio * then).any() || (kStaleRatio * now < then).any()) ++stale;
   }
-  if (stale <= kStaleRows && factored_(0, 0) > 0.0f) return;
+  if (stale * kStaleShare <= a.rows() && factored_(0, 0) > 0.0f) return;
   factored_ = row_sum_;
   factorise();
 }

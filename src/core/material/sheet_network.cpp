@@ -1,8 +1,8 @@
 // Sheets as spring networks, calibrated with the Born moduli of the lattice.
 //
-// A spring of stiffness k, length l and direction n adds k l^2 n_a n_b n_c n_d / A to the moduli C_abcd (N/m) of a sheet
-// of area A. For central springs C12 = C66 always; a uniaxial traction test measures E h = C11 - C12^2 / C11
-// [Baudet et al. 2009; Van Gelder 1998].
+// A spring of stiffness k, length l and direction n adds k l^2 n_a n_b n_c n_d / A to the moduli C_abcd (N/m) of a
+// sheet of area A. For central springs C12 = C66 always; a uniaxial traction test measures E h = C11 - C12^2 / C11 [Van
+// Gelder 1998].
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -24,7 +24,9 @@ struct CellStiffness {
   double end_x = 0.0, end_y = 0.0;
 };
 
-std::string text(double value) { return std::to_string(value); }
+std::string text(double value) {
+  return std::to_string(value);
+}
 
 double shear_for(double ratio_c12, double c11, double dx, double dy) {
   return 0.5 * ratio_c12 * c11 * (dx * dx + dy * dy) / (dx * dy);
@@ -112,13 +114,15 @@ SpringNetwork grid_network(const TriangleMesh& mesh, const SheetStiffness& s) {
   SpringNetwork network;
   for (int r = 0; r < mesh.rows; ++r) {
     const double half = share(r, mesh.rows);
-    add_row(mesh.rest, mesh.cols, [&](int k) { return r * mesh.cols + k; }, half * cell.x, half * cell.bend_x,
-            half * cell.end_x, s.damping_time, &network);
+    add_row(
+        mesh.rest, mesh.cols, [&](int k) { return r * mesh.cols + k; }, half * cell.x, half * cell.bend_x,
+        half * cell.end_x, s.damping_time, &network);
   }
   for (int c = 0; c < mesh.cols; ++c) {
     const double half = share(c, mesh.cols);
-    add_row(mesh.rest, mesh.rows, [&](int k) { return k * mesh.cols + c; }, half * cell.y, half * cell.bend_y,
-            half * cell.end_y, s.damping_time, &network);
+    add_row(
+        mesh.rest, mesh.rows, [&](int k) { return k * mesh.cols + c; }, half * cell.y, half * cell.bend_y,
+        half * cell.end_y, s.damping_time, &network);
   }
   if (cell.shear == 0.0) return network;
   for (int r = 0; r + 1 < mesh.rows; ++r) {
@@ -132,9 +136,8 @@ SpringNetwork grid_network(const TriangleMesh& mesh, const SheetStiffness& s) {
 }
 
 double area_of(const TriangleMesh& mesh, const std::array<int, 3>& t) {
-  return 0.5 * Vec3(mesh.rest.col(t[1]) - mesh.rest.col(t[0]))
-                   .cross(Vec3(mesh.rest.col(t[2]) - mesh.rest.col(t[0])))
-                   .norm();
+  return 0.5 *
+         Vec3(mesh.rest.col(t[1]) - mesh.rest.col(t[0])).cross(Vec3(mesh.rest.col(t[2]) - mesh.rest.col(t[0]))).norm();
 }
 
 /// Area of the faces at each edge of `edges`, which is sorted.
@@ -172,8 +175,8 @@ SpringNetwork mesh_network(const TriangleMesh& mesh, const SheetStiffness& s) {
   }
   const double membrane = s.membrane - bend_sum / area3;
   if (!s.stretch && !(membrane > 0.0)) {
-    throw InputError("bend springs (" + text(bend) + " N/m) alone are stiffer than the membrane, E h = " +
-                     text(s.membrane) + " N/m; lower them");
+    throw InputError("bend springs (" + text(bend) +
+                     " N/m) alone are stiffer than the membrane, E h = " + text(s.membrane) + " N/m; lower them");
   }
   for (size_t k = 0; k < edges.size(); ++k) {
     SpringLink link = link_of(mesh.rest, edges[k][0], edges[k][1], 0.0, 0.0);
@@ -198,8 +201,9 @@ Eigen::VectorXd sheet_masses(const TriangleMesh& mesh, double areal_density) {
       for (int c = 0; c + 1 < mesh.cols; ++c) {
         const int a = r * mesh.cols + c;
         // The mean of the two ways to cut the cell: a third of each triangle would alternate from node to node.
-        const double quarter = 0.25 * areal_density * (area_of(mesh, {a, a + 1, a + mesh.cols}) +
-                                                       area_of(mesh, {a + 1, a + mesh.cols + 1, a + mesh.cols}));
+        const double quarter =
+            0.25 * areal_density *
+            (area_of(mesh, {a, a + 1, a + mesh.cols}) + area_of(mesh, {a + 1, a + mesh.cols + 1, a + mesh.cols}));
         for (int node : {a, a + 1, a + mesh.cols, a + mesh.cols + 1}) mass[node] += quarter;
       }
     }

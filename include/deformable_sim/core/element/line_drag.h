@@ -47,8 +47,7 @@ struct LineDrag {
   }
 
   /// dx df/dx + dv df/dv, exact.
-  static Blocks jacobian(const Points& x, const Points& v, const Rest& rest, const Context& air, double dx,
-                         double dv) {
+  static Blocks jacobian(const Points& x, const Points& v, const Rest& rest, const Context& air, double dx, double dv) {
     Blocks blocks = uniform_block(x, v, rest, air, dx, dv).replicate<2, 2>();
     const Flow flow = flow_at(x, v, air);
     // The direction turns with d: du_n = -(u.t) dt - t (u.dt), dt = P dd / l.

@@ -53,8 +53,7 @@ struct SheetDrag {
   }
 
   /// dx df/dx + dv df/dv, exact.
-  static Blocks jacobian(const Points& x, const Points& v, const Rest& rest, const Context& air, double dx,
-                         double dv) {
+  static Blocks jacobian(const Points& x, const Points& v, const Rest& rest, const Context& air, double dx, double dv) {
     const Vec3 area = area_vector(x);
     const double square = area.squaredNorm();
     if (square < kTiny) return Blocks::Zero();
@@ -76,9 +75,7 @@ struct SheetDrag {
   }
 
  private:
-  static Vec3 area_vector(const Points& x) {
-    return 0.5 * (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0));
-  }
+  static Vec3 area_vector(const Points& x) { return 0.5 * (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)); }
   static constexpr double kTiny = 1e-30;  // m^4
 };
 

@@ -25,9 +25,9 @@ class ExplicitStep {
 
  private:
   struct Contact {
-    double mass;     // effective mass of the point, kg; 0 when it cannot move
-    double normal;   // accumulated impulse, N s
-    Vec3 friction;   // accumulated impulse, N s
+    double mass;    // effective mass of the point, kg; 0 when it cannot move
+    double normal;  // accumulated impulse, N s
+    Vec3 friction;  // accumulated impulse, N s
   };
   void resolve_contacts(double drift, State* s);
   void resolve(const ContactConstraint& c, double drift, Contact* contact, State* s) const;

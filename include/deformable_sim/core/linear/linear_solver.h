@@ -37,8 +37,8 @@ class LinearSolver {
 std::unique_ptr<LinearSolver> make_direct_solver();
 
 /// Conjugate gradients in single precision inside a double precision refinement, preconditioned by a block-Jacobi
-/// sweep, one exact solve of a scalar n x n operator (mass + graph Laplacian, factorised in prepare()) and a second
-/// sweep; see doc/theory/integrators.md.
+/// sweep, one exact solve of a scalar n x n operator (mass + graph Laplacian, its factor kept from step to step) and a
+/// second sweep; see doc/theory/integrators.md.
 std::unique_ptr<LinearSolver> make_conjugate_gradient_solver();
 
 }  // namespace deformable_sim

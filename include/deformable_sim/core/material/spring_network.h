@@ -43,7 +43,7 @@ struct LineStiffness {
 };
 SpringNetwork line_network(const Polyline& line, const LineStiffness& stiffness);
 
-/// Lumped masses (kg per node): a third of each triangle, half of each segment.
+/// Lumped masses (kg per node): a quarter of each cell (grids), a third of each triangle, half of each segment.
 Eigen::VectorXd sheet_masses(const TriangleMesh& mesh, double areal_density);
 Eigen::VectorXd line_masses(const Polyline& line, double linear_density);
 
