@@ -29,6 +29,9 @@ constexpr int kHalvings = 8;            // of a Newton step, at most
 constexpr double kLinearShare = 0.3;    // of the Newton tolerance that the linear solve may leave
 constexpr double kAtRest = 1e-3;        // of the tolerance: below, a step may take no Newton iteration at all
 constexpr int kFrictionIterations = 5;  // Newton iterations in which friction follows the normal force
+constexpr double kDeep = 3e-4;          // m: while a contact point is deeper ...
+constexpr double kRough = 30.0;         // m/s^2: ... or the residual of a step with contacts larger, Newton goes on ...
+constexpr int kRoughShare = 3;          // ... for at most so many times the allowed iterations
 
 class ImplicitEuler : public Integrator {
  public:
@@ -51,7 +54,9 @@ class ImplicitEuler : public Integrator {
     report.seconds_assembly = thread_cpu_time() - start;
     const double enough = settings_.tolerance;
     report.converged = report.residual <= kAtRest * enough;
-    for (int k = 0; k < settings_.newton_iterations && !report.converged; ++k) {
+    const int most = settings_.newton_iterations;
+    for (int k = 0; k < most || (k < kRoughShare * most && is_rough(report)); ++k) {
+      if (report.converged) break;
       assemble(&report);
       if (!solve(&report)) break;
       const double search = thread_cpu_time();
@@ -65,6 +70,7 @@ class ImplicitEuler : public Integrator {
       report.residual = unbalanced(residual_);
       report.converged = report.residual <= enough;
     }
+    if (!report.converged) contacts_.push_out(kDeep, inverse_mass_, &trial_.x);
     finish(d, s);
     report.converged = report.converged && s->finite();
     return report;
@@ -154,6 +160,11 @@ class ImplicitEuler : public Integrator {
     residual_ = -base_;
     if (!contacts_.empty()) contacts_.add_force(trial_.x, &residual_);
     for (int node : held_) residual_.col(node).setZero();
+  }
+
+  /// Contacts not yet settled: stopping here would let points through or have friction drive them.
+  bool is_rough(const StepReport& report) const {
+    return !contacts_.empty() && (report.residual > kRough || contacts_.any_deeper(kDeep, trial_.x));
   }
 
   /// RMS of r / m over the free nodes, m/s^2.

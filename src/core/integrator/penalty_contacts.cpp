@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kStiffness = 100.0;  // of a contact, in units of its inertia m / dt^2
 constexpr double kCreep = 5e-4;       // m/s: sticking contacts creep no faster, whatever they carry
+constexpr int kPushes = 4;            // sweeps of push_out()
 
 }  // namespace
 
@@ -38,6 +39,26 @@ void PenaltyContacts::add_resting_force(Nodes* f) const {
 
 void PenaltyContacts::update_normal_forces(const Nodes& x) {
   for (Contact& c : contacts_) c.normal_force = std::max(0.0, -c.stiffness * gap(c, point(c, x)));
+}
+
+bool PenaltyContacts::any_deeper(double depth, const Nodes& x) const {
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [&](const Contact& c) { return c.stiffness > 0.0 && gap(c, point(c, x)) < -depth; });
+}
+
+void PenaltyContacts::push_out(double depth, const Eigen::VectorXd& inverse_mass, Nodes* x) const {
+  for (int pass = 0; pass < kPushes; ++pass) {
+    for (const Contact& c : contacts_) {
+      if (c.stiffness == 0.0) continue;
+      const double excess = -depth - gap(c, point(c, *x));
+      if (excess <= 0.0) continue;
+      const double per_compliance = excess * c.stiffness * dt_ * dt_ / kStiffness;
+      for (size_t k = 0; k < static_cast<size_t>(c.plane.count); ++k) {
+        const int node = c.plane.node[k];
+        x->col(node) += per_compliance * c.plane.weight[k] * inverse_mass[node] * c.plane.normal;
+      }
+    }
+  }
 }
 
 Vec3 PenaltyContacts::point(const Contact& c, const Nodes& x) {

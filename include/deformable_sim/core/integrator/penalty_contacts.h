@@ -24,6 +24,11 @@ class PenaltyContacts {
   void add_resting_force(Nodes* f) const;
   /// lambda from the positions x.
   void update_normal_forces(const Nodes& x);
+  /// Is a point at x further behind its plane than `depth` (m)?
+  bool any_deeper(double depth, const Nodes& x) const;
+  /// Last resort after a solve that did not converge: moves points that are deeper than `depth` (m) back to it, each in
+  /// turn and by the inverse masses of its nodes, so that nothing gets through a thin collider.
+  void push_out(double depth, const Eigen::VectorXd& inverse_mass, Nodes* x) const;
   /// f += contact forces at x.
   void add_force(const Nodes& x, Nodes* f) const;
   /// A += -df/dx at x, symmetric and positive semi-definite.
