@@ -16,7 +16,8 @@ namespace command {
 struct Grasp {
   GraspRequest request;
 };
-/// New target of a grasp. The grasp moves there in `duration` s (0 = as fast as max_speed allows), straight and slerped.
+/// New target of a grasp. The grasp moves there in `duration` s (0 = as fast as max_speed allows), straight and
+/// slerped.
 struct MoveGrasp {
   std::string name;
   Pose world_from_target = Pose::Identity();
@@ -52,9 +53,9 @@ struct Reset {};
 
 }  // namespace command
 
-using Command = std::variant<command::Grasp, command::MoveGrasp, command::SetGraspWaiting, command::Release,
-                             command::AddCollider, command::MoveCollider, command::RemoveCollider,
-                             command::SetBodyState, command::Reset>;
+using Command =
+    std::variant<command::Grasp, command::MoveGrasp, command::SetGraspWaiting, command::Release, command::AddCollider,
+                 command::MoveCollider, command::RemoveCollider, command::SetBodyState, command::Reset>;
 
 struct Reply {
   Status status;

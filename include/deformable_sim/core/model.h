@@ -33,16 +33,16 @@ struct Body {
   double contact_radius = 0.0;                  // m: distance kept between nodes and collider surfaces
   bool contact_at_faces = false;                // also hold face centroids / segment midpoints off colliders
   double friction = 0.5;
-  double draw_radius = 0.0;                     // m, rope tube
+  double draw_radius = 0.0;  // m, rope tube
   std::array<double, 4> color{{0.8, 0.8, 0.8, 1.0}};
-  std::vector<StrainEdge> strain_edges;         // structural edges
+  std::vector<StrainEdge> strain_edges;              // structural edges
   std::map<std::string, std::vector<int>> features;  // corner_0..3, edge_0..3, end_0, end_1, center -> body-local nodes
 };
 
 struct Model {
   std::vector<Body> bodies;
-  Eigen::VectorXd mass;                          // kg per node
-  Vec3 gravity{0, 0, -9.81};                     // m/s^2; also present as an Energy when not zero
+  Eigen::VectorXd mass;       // kg per node
+  Vec3 gravity{0, 0, -9.81};  // m/s^2; also present as an Energy when not zero
   std::vector<std::unique_ptr<Energy>> energies;
   State initial;
 

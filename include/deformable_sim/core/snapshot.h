@@ -38,9 +38,10 @@ struct Snapshot {
   std::vector<Collider> colliders;
   StepReport report;
   std::string integrator;
-  double dt = 0.0;               // s
-  int substeps = 1;              // of the last step
-  double max_penetration = 0.0;  // m, deepest contact point now inside a collider's surface (contact radius not counted)
+  double dt = 0.0;   // s
+  int substeps = 1;  // of the last step
+  double max_penetration =
+      0.0;  // m, deepest contact point now inside a collider's surface (contact radius not counted)
   std::vector<PartCost> cost;
   std::vector<std::string> warnings;
 };

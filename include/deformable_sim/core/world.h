@@ -14,23 +14,23 @@
 namespace deformable_sim {
 
 struct WorldSettings {
-  double dt = 0.01;                              // s, one step
+  double dt = 0.01;  // s, one step
   std::string integrator = "implicit_euler";
   SolverSettings solver;
-  double grasp_max_speed = 1.0;                  // m/s, for grasps that name none
-  double collider_max_speed = 5.0;               // m/s, faster moves are spread over steps
+  double grasp_max_speed = 1.0;     // m/s, for grasps that name none
+  double collider_max_speed = 5.0;  // m/s, faster moves are spread over steps
 };
 
 /// One line of the bill: a part the scene pays for.
 struct BillItem {
   std::string part;
-  std::string detail;       // for example "7062 springs"
-  double share = 0.0;       // of the step time so far, 0..1
+  std::string detail;  // for example "7062 springs"
+  double share = 0.0;  // of the step time so far, 0..1
 };
 
 struct StepOutcome {
-  bool ok = true;           // false: no finite state even with smaller steps; the world stays at its last good state
-  std::string message;      // why not
+  bool ok = true;       // false: no finite state even with smaller steps; the world stays at its last good state
+  std::string message;  // why not
   StepReport report;
 };
 

@@ -102,8 +102,8 @@ class ElementEnergy : public Energy {
         const auto blocks = E::jacobian(x, v, e.rest, context, dx, dv);
         for (size_t i = 0; i < kPoints; ++i) {
           for (size_t j = 0; j < kPoints; ++j) {
-            a->block(slot[kPoints * i + j]) -= blocks.template block<3, 3>(3 * static_cast<Eigen::Index>(i),
-                                                                           3 * static_cast<Eigen::Index>(j));
+            a->block(slot[kPoints * i + j]) -=
+                blocks.template block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
           }
         }
       }

@@ -21,11 +21,13 @@ std::unique_ptr<Energy> make_gravity(const Eigen::VectorXd& mass, const Vec3& gr
 /// Linear drag -rate m v (rate in 1/s).
 std::unique_ptr<Energy> make_mass_damping(const Eigen::VectorXd& mass, double rate);
 
-/// Pressure drag on triangles: 1/2 rho C_d A |u.n| (u.n) n, u the air's velocity relative to the face, a third to each node.
+/// Pressure drag on triangles: 1/2 rho C_d A |u.n| (u.n) n, u the air's velocity relative to the face, a third to each
+/// node.
 std::unique_ptr<Energy> make_sheet_drag(const std::vector<std::array<int, 3>>& triangles, const Air& air);
 
 /// Cross-flow drag on segments of a cylinder: 1/2 rho C_d D l |u_n| u_n, half to each end.
-std::unique_ptr<Energy> make_line_drag(const std::vector<std::array<int, 2>>& segments, double diameter, const Air& air);
+std::unique_ptr<Energy> make_line_drag(const std::vector<std::array<int, 2>>& segments, double diameter,
+                                       const Air& air);
 
 /// Springs from nodes to moving targets: a soft grasp. -k (x - target).
 class TargetSprings : public Energy {

@@ -23,23 +23,23 @@ struct SpringNetwork {
 };
 
 struct SheetStiffness {
-  double membrane = 0.0;             // E h, N/m
-  double poissons_ratio = 0.25;      // grids only
-  std::optional<double> stretch;     // N/m per structural spring (half on a free edge); replaces `membrane`
-  std::optional<double> shear;       // N/m per shear spring, grids only; 0 = none
-  std::optional<double> bend;        // N/m per bend spring; 0 = none
-  double damping_time = 0.0;         // s, damping = damping_time * stiffness
+  double membrane = 0.0;          // E h, N/m
+  double poissons_ratio = 0.25;   // grids only
+  std::optional<double> stretch;  // N/m per structural spring (half on a free edge); replaces `membrane`
+  std::optional<double> shear;    // N/m per shear spring, grids only; 0 = none
+  std::optional<double> bend;     // N/m per bend spring; 0 = none
+  double damping_time = 0.0;      // s, damping = damping_time * stiffness
 };
 
-/// Grids: structural (rows, columns), shear (both cell diagonals), bend (over two cells). Other meshes: stretch along every
-/// edge (Van Gelder weights, scaled to the modulus), bend across every interior edge, no separate shear springs.
+/// Grids: structural (rows, columns), shear (both cell diagonals), bend (over two cells). Other meshes: stretch along
+/// every edge (Van Gelder weights, scaled to the modulus), bend across every interior edge, no separate shear springs.
 SpringNetwork sheet_network(const TriangleMesh& mesh, const SheetStiffness& stiffness);
 
 struct LineStiffness {
-  double axial = 0.0;                // E A, N
-  std::optional<double> stretch;     // N/m per segment; replaces `axial`
-  std::optional<double> bend;        // N/m per bend spring (over two segments); 0 = none
-  double damping_time = 0.0;         // s
+  double axial = 0.0;             // E A, N
+  std::optional<double> stretch;  // N/m per segment; replaces `axial`
+  std::optional<double> bend;     // N/m per bend spring (over two segments); 0 = none
+  double damping_time = 0.0;      // s
 };
 SpringNetwork line_network(const Polyline& line, const LineStiffness& stiffness);
 
