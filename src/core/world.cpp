@@ -105,8 +105,16 @@ void World::Parts::held_nodes_changed() {
     dynamics.energies.push_back(springs);
   }
   dynamics.kinematics = grasps.kinematics();
-  held.assign(static_cast<size_t>(model->node_count()), 0);
-  for (int node : dynamics.kinematics.node) held[static_cast<size_t>(node)] = 1;
+  roles.assign(static_cast<size_t>(model->node_count()), NodeRole::kFree);
+  for (int node : dynamics.kinematics.node) roles[static_cast<size_t>(node)] = NodeRole::kHeld;
+  for (const Body& body : model->bodies) {
+    for (const StrainEdge& edge : body.strain_edges) {
+      NodeRole& a = roles[static_cast<size_t>(edge.node[0])];
+      NodeRole& b = roles[static_cast<size_t>(edge.node[1])];
+      if (a == NodeRole::kHeld && b == NodeRole::kFree) b = NodeRole::kBesideHeld;
+      if (b == NodeRole::kHeld && a == NodeRole::kFree) a = NodeRole::kBesideHeld;
+    }
+  }
   stable_dt_age = -1;
   integrator->reset();
 }
@@ -154,7 +162,7 @@ void World::Parts::integrate_with_contacts(double h) {
   double extra_reach = 0.0;
   for (int widening = 0;; ++widening) {
     double start = cpu_seconds();
-    contacts->find(state, h, collider_steps, held, extra_reach, &dynamics.contacts);
+    contacts->find(state, h, collider_steps, roles, extra_reach, &dynamics.contacts);
     cost.contact += cpu_seconds() - start;
     integrate(h);
     if (!state_is_sane()) return;

@@ -41,7 +41,7 @@ struct World::Parts {
   ColliderSet colliders;
   std::unique_ptr<ContactFinder> contacts;  // only while there is a collider
   std::vector<PoseStep> collider_steps;     // of the last part of a step
-  std::vector<char> held;                   // per node: its motion is prescribed
+  std::vector<NodeRole> roles;              // per node
 
   // Of the last step.
   StepReport report;

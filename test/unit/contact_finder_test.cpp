@@ -17,7 +17,7 @@ struct Scene {
   Scene(const Nodes& x, std::vector<Collider> given)
       : model(test::points_model(x, 0.01, Vec3(0, 0, -9.81))), colliders(given) {
     for (const Collider& c : colliders) poses.push_back({c.world_from_collider, c.world_from_collider});
-    held.assign(static_cast<size_t>(x.cols()), 0);
+    roles.assign(static_cast<size_t>(x.cols()), NodeRole::kFree);
     state = model->initial;
   }
   ContactConstraints find(double extra_reach = 0.0) {
@@ -26,13 +26,13 @@ struct Scene {
       finder->set_colliders(colliders);
     }
     ContactConstraints contacts;
-    finder->find(state, kDt, poses, held, extra_reach, &contacts);
+    finder->find(state, kDt, poses, roles, extra_reach, &contacts);
     return contacts;
   }
   std::shared_ptr<Model> model;
   std::vector<Collider> colliders;
   std::vector<PoseStep> poses;
-  std::vector<char> held;
+  std::vector<NodeRole> roles;
   State state;
   std::unique_ptr<ContactFinder> finder;
 };
@@ -92,8 +92,20 @@ TEST(ContactFinder, CarriesThePlaneWithATurningCollider) {
 
 TEST(ContactFinder, LeavesHeldNodesAlone) {
   Scene s(column(0, 0, 0.0005), {collider("floor", Shape::Type::kPlane, Vec3::Zero(), at(0, 0, 0))});
-  s.held[0] = 1;
+  s.roles[0] = NodeRole::kHeld;
   EXPECT_TRUE(s.find().empty());
+}
+
+TEST(ContactFinder, SparesNodesBesideAGraspTheGripperOnly) {
+  // A node next to a held one lies inside the finger that holds its neighbour; the table below still counts.
+  Collider finger = collider("finger", Shape::Type::kBox, Vec3(0.02, 0.02, 0.02), at(0, 0, 0));
+  finger.frame = "gripper";
+  Scene s(column(0, 0, 0.0005), {finger, collider("table", Shape::Type::kPlane, Vec3::Zero(), at(0, 0, 0))});
+  EXPECT_EQ(s.find().size(), 2u);
+  s.roles[0] = NodeRole::kBesideHeld;
+  const ContactConstraints contacts = s.find();
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].collider, 1);
 }
 
 TEST(ContactFinder, LetsPointsFoundInsideOutGently) {
@@ -151,7 +163,7 @@ TEST(ContactFinder, SkipsPointsBetweenNodesOfOneFlatFace) {
     finder.set_colliders({c});
     ContactConstraints contacts;
     finder.find(model->initial, kDt, {{c.world_from_collider, c.world_from_collider}},
-                std::vector<char>(static_cast<size_t>(model->node_count()), 0), 0.0, &contacts);
+                std::vector<NodeRole>(static_cast<size_t>(model->node_count()), NodeRole::kFree), 0.0, &contacts);
     return contacts.size();
   };
   EXPECT_EQ(count(collider("table", Shape::Type::kBox, Vec3(2, 2, 1), at(0, 0, -0.5, 0.3, Vec3::UnitZ()))), 49u);
@@ -174,8 +186,8 @@ TEST(ContactFinder, KeepsPointsBetweenNodesOverAnEdge) {
   State state = model->initial;
   state.v.row(2).setConstant(-0.5);
   ContactConstraints contacts;
-  finder.find(state, kDt, {{table.world_from_collider, table.world_from_collider}}, std::vector<char>(4, 0), 0.0,
-              &contacts);
+  finder.find(state, kDt, {{table.world_from_collider, table.world_from_collider}},
+              std::vector<NodeRole>(4, NodeRole::kFree), 0.0, &contacts);
   int between = 0;
   for (const ContactConstraint& c : contacts) between += c.count > 1 ? 1 : 0;
   // Of 5 edges 3 cross the rim (x = 0), and so do both faces; the edge on the table is implied.

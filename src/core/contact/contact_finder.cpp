@@ -50,7 +50,7 @@ void ContactFinder::set_colliders(const std::vector<Collider>& colliders) {
   planes_.clear();
   for (int c = 0; c < static_cast<int>(colliders.size()); ++c) {
     const Collider& collider = colliders[static_cast<size_t>(c)];
-    for (const Shape& s : collider.shapes) shapes_.emplace_back(s, c, collider.friction);
+    for (const Shape& s : collider.shapes) shapes_.emplace_back(s, c, collider);
   }
 }
 
@@ -67,24 +67,26 @@ void ContactFinder::place_shape(PlacedShape* shape, const PoseStep& pose) const 
                                      shape->query.box().max() + Vec3::Constant(shape->travel));
 }
 
-void ContactFinder::place_points(const std::vector<ContactPoint>& points, const State& s, const std::vector<char>& held,
-                                 std::vector<Point>* placed) const {
+void ContactFinder::place_points(const std::vector<ContactPoint>& points, const State& s,
+                                 const std::vector<NodeRole>& roles, std::vector<Point>* placed) const {
   for (size_t i = 0; i < points.size(); ++i) {
     const ContactPoint& point = points[i];
     Point& out = (*placed)[i];
     out.p = position(point, s.x);
     out.reach = 0.0;
     out.active = false;
+    out.beside_held = true;
     for (int k = 0; k < point.count; ++k) {
       const auto node = static_cast<size_t>(point.node[static_cast<size_t>(k)]);
       out.reach = std::max(out.reach, node_reach_[node]);
-      out.active = out.active || !held[node];
+      out.active = out.active || roles[node] != NodeRole::kHeld;
+      out.beside_held = out.beside_held && roles[node] != NodeRole::kFree;
     }
   }
 }
 
-void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>& poses, const std::vector<char>& held,
-                         double extra_reach, ContactConstraints* contacts) {
+void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>& poses,
+                         const std::vector<NodeRole>& roles, double extra_reach, ContactConstraints* contacts) {
   contacts->clear();
   std::swap(planes_, last_planes_);
   planes_.clear();
@@ -93,8 +95,8 @@ void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>&
   const double common = model_->gravity.norm() * dt * dt + kSlack + extra_reach;
   for (size_t i = 0; i < node_reach_.size(); ++i)
     node_reach_[i] = kSpeedMargin * s.v.col(static_cast<Eigen::Index>(i)).norm() * dt + common;
-  place_points(points_, s, held, &placed_);
-  place_points(between_, s, held, &placed_between_);
+  place_points(points_, s, roles, &placed_);
+  place_points(between_, s, roles, &placed_between_);
 
   const auto stride = static_cast<std::int64_t>(points_.size() + between_.size());
   for (int k = 0; k < shape_count(); ++k) {
@@ -136,7 +138,7 @@ void ContactFinder::find_on_shape(int k, const std::vector<ContactPoint>& points
     for (int i = block.first; i < block.last; ++i) {
       const auto index = static_cast<size_t>(i);
       const Point& at = placed[index];
-      if (!at.active) continue;
+      if (!at.active || (shape.attached && at.beside_held)) continue;
       const ContactPoint& point = points[index];
       double reach = at.reach + model_->bodies[static_cast<size_t>(point.body)].contact_radius;
       if (shape.moves) reach += motion_at(shape.end_from_begin, at.p).norm();

@@ -23,7 +23,7 @@ struct Collider {
   std::vector<Shape> shapes;
   Pose world_from_collider = Pose::Identity();
   double friction = 0.5;
-  std::string frame;  // tf frame it is attached to; empty = fixed in the world. Read by the ROS layer only.
+  std::string frame;  // tf frame it is attached to (moved there by the ROS layer); empty = fixed in the world
 };
 
 /// Throws InputError naming the collider: no name, no shape, a size <= 0 (a capsule's straight part may be 0), a pose

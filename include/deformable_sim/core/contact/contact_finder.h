@@ -12,6 +12,14 @@
 
 namespace deformable_sim {
 
+/// What a node is to the contacts of a step.
+enum class NodeRole : char {
+  kFree,
+  kHeld,        // its motion is prescribed: no contact
+  kBesideHeld,  // next to a held node: none with colliders attached to a frame, one of which is the gripper that fills
+                // its place
+};
+
 /// Speculative contact planes (doc/theory/contact.md).
 ///
 /// Every point whose surface distance is within its reach, contact radius + relative motion expected in the step, gets
@@ -29,9 +37,9 @@ class ContactFinder {
   /// Points were put elsewhere from outside.
   void forget_sides() { planes_.clear(); }
 
-  /// Planes for the step from `s` to s.time + dt. `held` marks nodes whose motion is prescribed: they get no contact.
+  /// Planes for the step from `s` to s.time + dt. `roles`, one a node, tells who gets contacts.
   /// `extra_reach` (m) widens the search. Order: by shape, then by point; the same state gives the same list.
-  void find(const State& s, double dt, const std::vector<PoseStep>& poses, const std::vector<char>& held,
+  void find(const State& s, double dt, const std::vector<PoseStep>& poses, const std::vector<NodeRole>& roles,
             double extra_reach, ContactConstraints* contacts);
 
   /// extra_reach with which the step has to be repeated because a node moved further than its reach allowed and came
@@ -49,16 +57,18 @@ class ContactFinder {
 
  private:
   struct PlacedShape {
-    PlacedShape(const Shape& shape, int collider_index, double friction_coefficient)
+    PlacedShape(const Shape& shape, int collider_index, const Collider& owner)
         : query(shape),
           collider_from_shape(shape.collider_from_shape),
           collider(collider_index),
-          friction(friction_coefficient) {}
+          friction(owner.friction),
+          attached(!owner.frame.empty()) {}
 
     SurfaceQuery query;
     Pose collider_from_shape;
     int collider;
     double friction;
+    bool attached;                           // to a frame
     Pose end_from_begin = Pose::Identity();  // the collider's motion in this step, in world axes
     bool moves = false;
     double travel = 0.0;        // m, upper bound for its surface
@@ -76,10 +86,11 @@ class ContactFinder {
     Vec3 p;
     double reach;  // m, of expected motion, without the contact radius
     bool active;
+    bool beside_held;  // none of its nodes is free
   };
 
   void place_shape(PlacedShape* shape, const PoseStep& pose) const;
-  void place_points(const std::vector<ContactPoint>& points, const State& s, const std::vector<char>& held,
+  void place_points(const std::vector<ContactPoint>& points, const State& s, const std::vector<NodeRole>& roles,
                     std::vector<Point>* placed) const;
   void find_on_shape(int shape, const std::vector<ContactPoint>& points, const std::vector<PointBlock>& blocks,
                      const std::vector<Point>& placed, std::int64_t first_key, const PoseStep& pose, double dt,
