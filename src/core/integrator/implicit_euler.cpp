@@ -30,8 +30,8 @@ constexpr double kLinearShare = 0.3;    // of the Newton tolerance that the line
 constexpr double kAtRest = 1e-3;        // of the tolerance: below, a step may take no Newton iteration at all
 constexpr int kFrictionIterations = 5;  // Newton iterations in which friction follows the normal force
 constexpr double kDeep = 3e-4;          // m: while a contact point is deeper ...
-constexpr double kRough = 30.0;         // m/s^2: ... or the residual of a step with contacts larger, Newton goes on ...
-constexpr int kRoughShare = 3;          // ... for at most so many times the allowed iterations
+constexpr double kRough = 60.0;         // m/s^2: ... or the residual of a step with contacts larger, Newton goes on ...
+constexpr int kRoughShare = 2;          // ... for at most so many times the allowed iterations
 
 class ImplicitEuler : public Integrator {
  public:
