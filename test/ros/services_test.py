@@ -2,6 +2,7 @@
 """Every service accepts what it should and refuses the rest; a refusal changes nothing."""
 
 import math
+import os
 import unittest
 
 import rospy
@@ -297,6 +298,19 @@ class Services(unittest.TestCase):
                 self.assertNotIn(answer.status.code, (Status.OK, Status.INTERNAL), answer.status.message)
                 self.assertIn(word, answer.status.message)
                 self.assertEqual(before, self.sim.everything())
+
+    def test_bad_meshes_leave_the_running_scene(self):
+        # A vertex that is not there, a face without area, three faces on an edge, faces wound against each other, NaN, half a file.
+        data = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'scene', 'data')
+        for name in ('missing_vertex.obj', 'degenerate.obj', 'repeated.obj', 'non_manifold.obj', 'winding.obj', 'no_faces.obj',
+                     'nan.ply', 'truncated.ply'):
+            with self.subTest(mesh=name):
+                before = self.sim.everything()
+                answer = self.sim.load_scene(
+                    yaml='bodies:\n  - cloth: {name: a, mesh: %s}\n' % os.path.join(data, name))
+                self.assertNotIn(answer.status.code, (Status.OK, Status.INTERNAL), answer.status.message)
+                self.assertIn(name, answer.status.message)
+                self.assertEqual(self.sim.everything(), before)
 
     def test_a_loaded_scene_brings_its_topics_and_takes_the_old_ones(self):
         self.assertEqual(self.sim.load_scene(file=self.scene.replace('hanging', 'small')).status.code, Status.OK)
