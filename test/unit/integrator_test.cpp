@@ -172,5 +172,21 @@ TEST(HighestFrequency, HoldsPrescribedNodes) {
   EXPECT_NEAR(highest_frequency(body.dynamics, body.state), 20.0, 1e-4);
 }
 
+TEST(ImplicitEuler, LetsNothingFarThroughEvenWhenItDoesNotConverge) {
+  // A penalty of 100 m / dt^2 stops 18 m/s * 10 ms 1.8 mm deep; a solve that counts as unconverged ends at most 0.3 mm
+  // deep.
+  SolverSettings settings = exact_settings();
+  settings.tolerance = -1.0;  // never met
+  const auto scheme = make_integrator("implicit_euler", settings);
+  System body(Nodes::Zero(3, 1), Eigen::VectorXd::Ones(1));
+  body.state.v.col(0) = Vec3(0, 0, -18);
+  body.dynamics.contacts.resize(1);
+  body.dynamics.contacts[0].node[0] = 0;
+  const StepReport report = body.step(*scheme, 0.01);
+  EXPECT_FALSE(report.converged);
+  EXPECT_LT(body.state.x(2, 0), 0.0);
+  EXPECT_GE(body.state.x(2, 0), -3.001e-4);
+}
+
 }  // namespace
 }  // namespace deformable_sim::test

@@ -23,7 +23,7 @@ struct LinearTolerance {
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
-  /// Called when the pattern, the time step or the set of held nodes has changed, or when solves have become slow: what
+  /// Called when the pattern, the time step, the terms or the set of held nodes have changed: what
   /// is worth keeping over many steps is made here (symbolic analysis, preconditioner).
   virtual void prepare(const BlockMatrix& a) = 0;
   /// Solves A x = b. x holds the initial guess of iterative solvers. `weight` has one entry a node, see
@@ -37,8 +37,8 @@ class LinearSolver {
 std::unique_ptr<LinearSolver> make_direct_solver();
 
 /// Conjugate gradients in single precision inside a double precision refinement, preconditioned by a block-Jacobi
-/// sweep, one exact solve of a scalar n x n operator (mass + graph Laplacian, its factor kept from step to step) and a
-/// second sweep; see doc/theory/integrators.md.
+/// sweep, one exact solve of a scalar n x n operator an axis (mass, contacts and graph Laplacian; factors kept while
+/// they fit) and a second sweep; see doc/theory/integrators.md.
 std::unique_ptr<LinearSolver> make_conjugate_gradient_solver();
 
 }  // namespace deformable_sim
