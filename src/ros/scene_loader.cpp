@@ -61,6 +61,7 @@ LoadedScene SceneLoader::build(SceneSpec spec) const {
 
   PublisherContext context;
   context.private_nh = private_nh_;
+  context.advertiser = advertiser_;
   context.frame_id = parameters_.frame_id;
   context.node_name = ros::this_node::getName().substr(1);
   context.model = scene.world->shared_model();

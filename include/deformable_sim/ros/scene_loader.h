@@ -7,6 +7,7 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/node_handle.h>
 
+#include "deformable_sim/ros/advertiser.h"
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/parameters.h"
 #include "deformable_sim/ros/simulation.h"
@@ -27,6 +28,7 @@ class SceneLoader {
   LoadedScene build(SceneSpec spec) const;
 
   ros::NodeHandle private_nh_;
+  Advertiser advertiser_;  // one for all scenes of the node
   Parameters parameters_;
   Frames* frames_;
   Drag drag_grasp_;

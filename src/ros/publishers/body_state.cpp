@@ -10,7 +10,7 @@ class BodyStates : public TopicsPublisher {
  public:
   explicit BodyStates(const PublisherContext& context) : frame_id_(context.frame_id) {
     for (const Body& body : context.model->bodies) {
-      topics_.push_back(Topic::advertise<msg::BodyState>(context.private_nh, body.name + "/state"));
+      topics_.push_back(Topic::advertise<msg::BodyState>(context, body.name + "/state"));
     }
   }
 

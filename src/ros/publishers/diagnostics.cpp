@@ -15,7 +15,7 @@ namespace {
 class Diagnostics : public TopicsPublisher {
  public:
   explicit Diagnostics(const PublisherContext& context) : name_(context.node_name) {
-    topics_.push_back(Topic::advertise<diagnostic_msgs::DiagnosticArray>(context.private_nh, "/diagnostics"));
+    topics_.push_back(Topic::advertise<diagnostic_msgs::DiagnosticArray>(context, "/diagnostics"));
   }
 
   void publish(const Instant& instant) override {

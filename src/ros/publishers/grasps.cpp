@@ -15,7 +15,7 @@ namespace {
 class Grasps : public TopicsPublisher {
  public:
   explicit Grasps(const PublisherContext& context) : frame_id_(context.frame_id) {
-    topics_.push_back(Topic::advertise<msg::GraspStateArray>(context.private_nh, "grasps"));
+    topics_.push_back(Topic::advertise<msg::GraspStateArray>(context, "grasps"));
   }
 
   void publish(const Instant& instant) override {
@@ -44,7 +44,7 @@ class Grasps : public TopicsPublisher {
 class Wrenches : public Publisher {
  public:
   explicit Wrenches(const PublisherContext& context)
-      : nh_(context.private_nh), prefix_(context.node_name + "/grasp/") {}
+      : context_(context), prefix_(context.node_name + "/grasp/") {}
 
   bool wanted() const override {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -64,7 +64,7 @@ class Wrenches : public Publisher {
       const auto known = topics_.find(name);  // only this thread changes the map
       next[name] = known != topics_.end()
                        ? known->second
-                       : Topic::advertise<geometry_msgs::WrenchStamped>(nh_, "grasp/" + name + "/wrench");
+                       : Topic::advertise<geometry_msgs::WrenchStamped>(context_, "grasp/" + name + "/wrench");
     }
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -93,7 +93,7 @@ class Wrenches : public Publisher {
   }
 
  private:
-  ros::NodeHandle nh_;
+  PublisherContext context_;
   std::string prefix_;
   mutable std::mutex mutex_;
   std::map<std::string, Topic> topics_;

@@ -37,16 +37,19 @@ bool moved(const Pose& a, const Pose& b) {
 class Handles : public TopicsPublisher {
  public:
   explicit Handles(const PublisherContext& context)
-      : topic_(context.private_nh.resolveName("interactive_markers")),
+      : advertiser_(context.advertiser),
+        topic_(context.private_nh.resolveName("interactive_markers")),
         frame_id_(context.frame_id),
         drag_(context.drag_grasp) {
     // The server's own topic: shared, so that the server can wait until somebody listens.
-    topics_.push_back(Topic::advertise<visualization_msgs::InteractiveMarkerUpdate>(context.private_nh,
+    topics_.push_back(Topic::advertise<visualization_msgs::InteractiveMarkerUpdate>(context,
                                                                                     "interactive_markers/update"));
   }
 
   void publish(const Instant& instant) override {
-    if (!server_) server_ = std::make_unique<interactive_markers::InteractiveMarkerServer>(topic_);
+    if (!server_) {
+      server_ = advertiser_.make([this] { return std::make_unique<interactive_markers::InteractiveMarkerServer>(topic_); });
+    }
     std::map<std::string, Pose> present;
     for (const GraspReport& grasp : instant.snapshot.grasps) {
       if (!grasp.follow_frame.empty() || grasp.phase == GraspPhase::kSlipped) continue;
@@ -89,11 +92,12 @@ class Handles : public TopicsPublisher {
     });
   }
 
+  Advertiser advertiser_;
   std::string topic_;
   std::string frame_id_;
   std::function<void(const std::string&, const geometry_msgs::PoseStamped&)> drag_;
   std::map<std::string, Pose> shown_;
-  std::unique_ptr<interactive_markers::InteractiveMarkerServer> server_;
+  std::shared_ptr<interactive_markers::InteractiveMarkerServer> server_;
 };
 
 }  // namespace

@@ -20,7 +20,7 @@ constexpr int kRepeatedDeletes = 30;  // messages: a slow subscriber misses some
 class Markers : public TopicsPublisher {
  public:
   explicit Markers(const PublisherContext& context) : frame_id_(context.frame_id), outputs_(context.outputs) {
-    topics_.push_back(Topic::advertise<visualization_msgs::MarkerArray>(context.private_nh, "markers"));
+    topics_.push_back(Topic::advertise<visualization_msgs::MarkerArray>(context, "markers"));
   }
 
   void publish(const Instant& instant) override {

@@ -36,8 +36,11 @@ class Meshes : public Publisher {
         message.header.stamp = stamp;
         to.publish(message);
       };
-      ros::NodeHandle nh = context.private_nh;
-      publishers_.push_back(nh.advertise<msg::BodyMesh>(body.name + "/mesh", 1, publish_to, {}, {}, true));
+      publishers_.push_back(context.advertiser.make([&] {
+        ros::NodeHandle nh = context.private_nh;
+        return std::make_unique<ros::Publisher>(
+            nh.advertise<msg::BodyMesh>(body.name + "/mesh", 1, publish_to, {}, {}, true));
+      }));
     }
   }
 
@@ -46,7 +49,7 @@ class Meshes : public Publisher {
   void publish(const Instant&) override {}
 
  private:
-  std::vector<ros::Publisher> publishers_;
+  std::vector<std::shared_ptr<ros::Publisher>> publishers_;
 };
 
 }  // namespace

@@ -10,7 +10,7 @@ class BodyPoints : public TopicsPublisher {
  public:
   explicit BodyPoints(const PublisherContext& context) : frame_id_(context.frame_id) {
     for (const Body& body : context.model->bodies) {
-      topics_.push_back(Topic::advertise<sensor_msgs::PointCloud2>(context.private_nh, body.name + "/points"));
+      topics_.push_back(Topic::advertise<sensor_msgs::PointCloud2>(context, body.name + "/points"));
     }
   }
 
@@ -31,7 +31,7 @@ class BodyPoints : public TopicsPublisher {
 class AllPoints : public TopicsPublisher {
  public:
   explicit AllPoints(const PublisherContext& context) : frame_id_(context.frame_id) {
-    topics_.push_back(Topic::advertise<sensor_msgs::PointCloud2>(context.private_nh, "points"));
+    topics_.push_back(Topic::advertise<sensor_msgs::PointCloud2>(context, "points"));
   }
 
   void publish(const Instant& instant) override {

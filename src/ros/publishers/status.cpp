@@ -11,7 +11,7 @@ namespace {
 class StatusPublisher : public TopicsPublisher {
  public:
   explicit StatusPublisher(const PublisherContext& context) : frame_id_(context.frame_id) {
-    topics_.push_back(Topic::advertise<msg::SimStatus>(context.private_nh, "status"));
+    topics_.push_back(Topic::advertise<msg::SimStatus>(context, "status"));
   }
 
   void publish(const Instant& instant) override {

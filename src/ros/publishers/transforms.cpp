@@ -11,7 +11,7 @@ namespace {
 class Transforms : public TopicsPublisher {
  public:
   explicit Transforms(const PublisherContext& context) : frame_id_(context.frame_id), prefix_(context.node_name + "/") {
-    topics_.push_back(Topic::advertise<tf2_msgs::TFMessage>(context.private_nh, "/tf"));
+    topics_.push_back(Topic::advertise<tf2_msgs::TFMessage>(context, "/tf"));
   }
 
   void publish(const Instant& instant) override {

@@ -12,6 +12,7 @@
 #include <ros/node_handle.h>
 
 #include "deformable_sim/core/snapshot.h"
+#include "deformable_sim/ros/advertiser.h"
 #include "deformable_sim/scene/spec.h"
 
 namespace deformable_sim {
@@ -32,6 +33,7 @@ struct Instant {
 /// What publishers of one scene are made from.
 struct PublisherContext {
   ros::NodeHandle private_nh;
+  Advertiser advertiser;
   std::string frame_id;   // of all messages
   std::string node_name;  // without leading slash; prefix of tf frames
   std::shared_ptr<const Model> model;
@@ -45,22 +47,25 @@ struct PublisherContext {
 class Topic {
  public:
   template <typename Message>
-  static Topic advertise(ros::NodeHandle nh, const std::string& name) {
+  static Topic advertise(const PublisherContext& context, const std::string& name) {
     Topic topic;
-    const auto joined = topic.joined_;
-    topic.publisher_ = nh.advertise<Message>(name, 1, [joined](const ros::SingleSubscriberPublisher&) { ++*joined; });
+    topic.publisher_ = context.advertiser.make([&] {
+      ros::NodeHandle nh = context.private_nh;
+      return std::make_unique<ros::Publisher>(nh.advertise<Message>(
+          name, 1, [joined = topic.joined_](const ros::SingleSubscriberPublisher&) { ++*joined; }));
+    });
     return topic;
   }
-  bool wanted() const { return publisher_.getNumSubscribers() > 0; }
+  bool wanted() const { return publisher_->getNumSubscribers() > 0; }
   unsigned joined() const { return *joined_; }
   template <typename Message>
   void publish(const Message& message) const {
-    publisher_.publish(message);
+    publisher_->publish(message);
   }
 
  private:
   std::shared_ptr<std::atomic<unsigned>> joined_ = std::make_shared<std::atomic<unsigned>>(0);
-  ros::Publisher publisher_;
+  std::shared_ptr<ros::Publisher> publisher_;
 };
 
 /// One kind of output. wanted() and joined() are asked on the simulation thread, publish() is called on the publishing
