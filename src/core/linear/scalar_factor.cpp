@@ -13,7 +13,7 @@ namespace {
 constexpr double kWeight = 0.5;
 // A factor is renewed when more than one row sum in this many has changed by more than the ratio. Some ten stale rows
 // cost an iteration, a new factor costs as much as seven.
-constexpr int kStaleShare = 25;
+constexpr int kStaleShare = 12;
 constexpr float kStaleRatio = 2.0f;
 
 /// Stiffness of a link: for one spring, whose block is -k n n^T, exactly k.
