@@ -90,11 +90,15 @@ class ConjugateGradient : public LinearSolver {
   void multiply(const BlockMatrix& a, const PaddedNodes& x, PaddedNodes* y) const {
     const int* column = a.column().data();
     for (int i = 0; i < a.rows(); ++i) {
-      Eigen::Vector4f sum = Eigen::Vector4f::Zero();
-      for (int k = a.row_start()[static_cast<size_t>(i)]; k < a.row_start()[static_cast<size_t>(i) + 1]; ++k) {
+      Eigen::Vector4f sum = Eigen::Vector4f::Zero(), other = sum;  // two chains hide the latency of the sum
+      int k = a.row_start()[static_cast<size_t>(i)];
+      const int last = a.row_start()[static_cast<size_t>(i) + 1];
+      for (; last - k > 1; k += 2) {
         sum += times(blocks_[static_cast<size_t>(k)], x.data() + 4 * column[k]);
+        other += times(blocks_[static_cast<size_t>(k) + 1], x.data() + 4 * column[k + 1]);
       }
-      y->col(i) = sum;
+      if (k != last) sum += times(blocks_[static_cast<size_t>(k)], x.data() + 4 * column[k]);
+      y->col(i) = sum + other;
     }
   }
 

@@ -16,6 +16,10 @@ constexpr double kWeight = 0.5;
 constexpr int kStaleShare = 12;
 constexpr float kStaleRatio = 2.0f;
 
+using Lane = Eigen::Map<Eigen::Array4f, Eigen::Aligned16>;
+/// An entry's three values, and whatever follows: what it is multiplied with is zero in the fourth place.
+using Value = Eigen::Map<const Eigen::Array4f>;
+
 /// Stiffness of a link: for one spring, whose block is -k n n^T, exactly k.
 double link_weight(const Mat3& block) {
   return kWeight * block.norm();
@@ -107,7 +111,8 @@ void ScalarFactor::analyse(const BlockMatrix& a) {
       if (it.row() != j) row_column_[static_cast<size_t>(next[static_cast<size_t>(it.row())]++)] = j;
     }
   }
-  entries_.resize(static_cast<size_t>(column_start_.back()));
+  entry_row_.resize(static_cast<size_t>(column_start_.back()));
+  entry_value_.assign(3 * entry_row_.size() + 1, 0.0f);
   column_fill_.resize(n);
   inverse_diagonal_.resize(n);
   work_row_.assign(n, Eigen::Array4f::Zero());
@@ -141,19 +146,20 @@ void ScalarFactor::factorise() {
   Eigen::Array4f* x = work_row_.data();
   for (size_t k = 0; k < position_.size(); ++k) {
     for (int w = weight_start_[k]; w < weight_start_[k + 1]; ++w) {
-      x[weight_column_[static_cast<size_t>(w)]].setConstant(weight_[static_cast<size_t>(w)]);
+      x[weight_column_[static_cast<size_t>(w)]].head<3>().setConstant(weight_[static_cast<size_t>(w)]);
     }
     Eigen::Array4f diagonal = inverse_diagonal_[k];
     for (int r = row_start_[k]; r < row_start_[k + 1]; ++r) {
       const auto j = static_cast<size_t>(row_column_[static_cast<size_t>(r)]);
       const Eigen::Array4f value = x[j] * inverse_diagonal_[j];
       x[j].setZero();
-      const Entry* last = entries_.data() + column_fill_[j];
-      for (const Entry* entry = entries_.data() + column_start_[j]; entry != last; ++entry) {
-        x[entry->row] -= entry->value * value;
+      const int last = column_fill_[j]++;
+      for (int e = column_start_[j]; e < last; ++e) {
+        x[entry_row_[static_cast<size_t>(e)]] -= Value(entry_value_.data() + 3 * e) * value;
       }
       diagonal -= value * value;
-      entries_[static_cast<size_t>(column_fill_[j]++)] = {static_cast<int>(k), value};
+      entry_row_[static_cast<size_t>(last)] = static_cast<int>(k);
+      Eigen::Map<Eigen::Array3f>(entry_value_.data() + 3 * last) = value.head<3>();
     }
     inverse_diagonal_[k] = diagonal.max(1e-6f * inverse_diagonal_[k]).sqrt().inverse();
   }
@@ -163,24 +169,24 @@ void ScalarFactor::solve(PaddedNodes* x, PaddedNodes* work) const {
   const int n = static_cast<int>(position_.size());
   for (int i = 0; i < n; ++i) work->col(position_[static_cast<size_t>(i)]) = x->col(i);
   float* w = work->data();
-  using Lane = Eigen::Map<Eigen::Array4f, Eigen::Aligned16>;
-  const Entry* entry = entries_.data();
+  const int* row = entry_row_.data();
+  const float* value = entry_value_.data();
   for (int j = 0; j < n; ++j) {
     const Eigen::Array4f pivot = inverse_diagonal_[static_cast<size_t>(j)] * Lane(w + 4 * j);
     Lane(w + 4 * j) = pivot;
-    for (const Entry* last = entries_.data() + column_start_[static_cast<size_t>(j) + 1]; entry != last; ++entry) {
-      Lane(w + 4 * entry->row) -= entry->value * pivot;
+    for (int e = column_start_[static_cast<size_t>(j)]; e < column_start_[static_cast<size_t>(j) + 1]; ++e) {
+      Lane(w + 4 * row[e]) -= Value(value + 3 * e) * pivot;
     }
   }
   for (int j = n - 1; j >= 0; --j) {
-    const Entry* first = entries_.data() + column_start_[static_cast<size_t>(j)];
-    const Entry* last = entries_.data() + column_start_[static_cast<size_t>(j) + 1];
+    int e = column_start_[static_cast<size_t>(j)];
+    const int last = column_start_[static_cast<size_t>(j) + 1];
     Eigen::Array4f sum = Lane(w + 4 * j), other = Eigen::Array4f::Zero();  // two chains hide the latency of the sum
-    for (; last - first > 1; first += 2) {
-      sum -= first[0].value * Lane(w + 4 * first[0].row);
-      other -= first[1].value * Lane(w + 4 * first[1].row);
+    for (; last - e > 1; e += 2) {
+      sum -= Value(value + 3 * e) * Lane(w + 4 * row[e]);
+      other -= Value(value + 3 * e + 3) * Lane(w + 4 * row[e + 1]);
     }
-    if (first != last) sum -= first->value * Lane(w + 4 * first->row);
+    if (e != last) sum -= Value(value + 3 * e) * Lane(w + 4 * row[e]);
     Lane(w + 4 * j) = inverse_diagonal_[static_cast<size_t>(j)] * (sum + other);
   }
   for (int i = 0; i < n; ++i) x->col(i) = work->col(position_[static_cast<size_t>(i)]);

@@ -43,8 +43,7 @@ class Grasps : public TopicsPublisher {
 
 class Wrenches : public Publisher {
  public:
-  explicit Wrenches(const PublisherContext& context)
-      : context_(context), prefix_(context.node_name + "/grasp/") {}
+  explicit Wrenches(const PublisherContext& context) : context_(context), prefix_(context.node_name + "/grasp/") {}
 
   bool wanted() const override {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -42,13 +42,14 @@ class Handles : public TopicsPublisher {
         frame_id_(context.frame_id),
         drag_(context.drag_grasp) {
     // The server's own topic: shared, so that the server can wait until somebody listens.
-    topics_.push_back(Topic::advertise<visualization_msgs::InteractiveMarkerUpdate>(context,
-                                                                                    "interactive_markers/update"));
+    topics_.push_back(
+        Topic::advertise<visualization_msgs::InteractiveMarkerUpdate>(context, "interactive_markers/update"));
   }
 
   void publish(const Instant& instant) override {
     if (!server_) {
-      server_ = advertiser_.make([this] { return std::make_unique<interactive_markers::InteractiveMarkerServer>(topic_); });
+      server_ =
+          advertiser_.make([this] { return std::make_unique<interactive_markers::InteractiveMarkerServer>(topic_); });
     }
     std::map<std::string, Pose> present;
     for (const GraspReport& grasp : instant.snapshot.grasps) {

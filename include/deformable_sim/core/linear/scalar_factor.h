@@ -34,10 +34,6 @@ class ScalarFactor {
   void analyse(const BlockMatrix& a);
   void factorise();
 
-  struct Entry {
-    int row;
-    Eigen::Array4f value;  // one an axis
-  };
   std::vector<int> pattern_rows_, pattern_columns_;
   std::vector<int> position_;      // of node i in the elimination order
   AxisValues row_sum_, factored_;  // of the matrix at hand and of the present factor, by node
@@ -47,7 +43,8 @@ class ScalarFactor {
   std::vector<float> weight_;
   // Strictly lower part of L by columns with 1 / L_jj, and the columns of each row.
   std::vector<int> column_start_, column_fill_, row_start_, row_column_;
-  std::vector<Entry> entries_;
+  std::vector<int> entry_row_;
+  std::vector<float> entry_value_;  // three an entry, one an axis, and one more: read four at a time, the last ignored
   std::vector<Eigen::Array4f> inverse_diagonal_, work_row_;
 };
 
