@@ -155,6 +155,7 @@ void World::Parts::integrate(double h) {
   cost.assembly += part.seconds_assembly;
   cost.solve += part.seconds_solve;
   add(part, &report);
+  for (const Energy* energy : dynamics.energies) energy->end_step(&state);
 }
 
 void World::Parts::integrate_with_contacts(double h) {

@@ -10,12 +10,13 @@
 #include "deformable_sim/core/energy/energy.h"
 #include "deformable_sim/core/state.h"
 #include "deformable_sim/core/topology/polyline.h"
+#include "deformable_sim/core/topology/tet_mesh.h"
 #include "deformable_sim/core/topology/triangle_mesh.h"
 
 namespace deformable_sim {
 
 /// Values equal BodyState.kind.
-enum class BodyKind { kCloth = 0, kRope = 1 };
+enum class BodyKind { kCloth = 0, kRope = 1, kSoft = 2 };
 
 /// An edge whose relative elongation is reported as strain.
 struct StrainEdge {
@@ -28,7 +29,8 @@ struct Body {
   BodyKind kind = BodyKind::kCloth;
   int first_node = 0;
   int node_count = 0;
-  std::shared_ptr<const TriangleMesh> surface;  // cloth; body-local indices
+  std::shared_ptr<const TriangleMesh> surface;  // cloth; soft body: its boundary; body-local indices
+  std::shared_ptr<const TetMesh> volume;        // soft body; body-local indices
   std::shared_ptr<const Polyline> line;         // rope; body-local indices
   double contact_radius = 0.0;                  // m: distance kept between nodes and collider surfaces
   bool contact_at_faces = false;                // also hold face centroids / segment midpoints off colliders
@@ -36,6 +38,7 @@ struct Body {
   double draw_radius = 0.0;  // m, rope tube
   std::array<double, 4> color{{0.8, 0.8, 0.8, 1.0}};
   std::vector<StrainEdge> strain_edges;              // structural edges
+  std::array<double, 2> valid_strain{{-1e9, 1e9}};   // of those edges: where the material's law holds
   std::map<std::string, std::vector<int>> features;  // corner_0..3, edge_0..3, end_0, end_1, center -> body-local nodes
 };
 
@@ -46,7 +49,13 @@ struct Model {
   std::vector<std::unique_ptr<Energy>> energies;
   State initial;
 
+  /// Rods with twist have an angle for each segment, kept as the x coordinate (m: angle times radius of gyration) of a
+  /// column behind all points, so that every scheme and solver moves it like any other: columns [point_count(),
+  /// node_count()). Those have no place in space.
+  int angle_count = 0;
+
   int node_count() const { return static_cast<int>(mass.size()); }
+  int point_count() const { return node_count() - angle_count; }
   /// Index of a body by name, or -1.
   int find_body(const std::string& name) const;
 };

@@ -183,7 +183,7 @@ class ImplicitEuler : public Integrator {
       matrix_.block(matrix_.diagonal_slot(i)).diagonal().setConstant((*dynamics_->mass)[i] / (dt_ * dt_));
     }
     for (const Energy* energy : dynamics_->energies) {
-      energy->add_jacobian(trial_, 1.0, 1.0 / dt_, Jacobian::kProjected, &matrix_);
+      energy->add_jacobian(trial_, 1.0, 1.0 / dt_, settings_.jacobian, &matrix_);
     }
     if (!contacts_.empty()) contacts_.add_jacobian(trial_.x, &matrix_);
     hold();

@@ -7,6 +7,7 @@ namespace deformable_sim {
 enum class Jacobian {
   kExact,      // df/dx and df/dv as derived; may be indefinite and, for velocity terms, unsymmetric
   kProjected,  // symmetric; -df/dx and -df/dv positive semi-definite: what an implicit step solves with
+  kAxial,      // springs: k n n^T alone, as often published [Volino and Magnenat-Thalmann 2001]; others: as projected
 };
 
 }  // namespace deformable_sim

@@ -15,6 +15,7 @@ namespace deformable_sim {
 struct LineDrag {
   static constexpr int kPoints = 2;
   static constexpr bool kPairwise = false;
+  static constexpr bool kUniform = true;
   using Points = Eigen::Matrix<double, 3, 2>;  // one column an end
   using Blocks = Eigen::Matrix<double, 6, 6>;
 

@@ -18,6 +18,7 @@ namespace deformable_sim {
 struct SheetDrag {
   static constexpr int kPoints = 3;
   static constexpr bool kPairwise = false;
+  static constexpr bool kUniform = true;
   using Points = Eigen::Matrix3d;  // one column a corner
   using Blocks = Eigen::Matrix<double, 9, 9>;
 

@@ -46,14 +46,17 @@ struct Spring {
   ///   dF/dd = k [n n^T + (1 - L/r) P] + c/r [(n.w) P + n (P w)^T],   P = I - n n^T
   ///   dF/dw = c n n^T
   ///
-  /// Projected: the transverse part (1 - L/r) P is dropped when r < L and the velocity part of dF/dd always.
+  /// Axial: the transverse part is dropped always. Projected: the transverse part (1 - L/r) P is dropped when r < L and
+  /// the velocity part of dF/dd always.
   static Mat3 stiffness(const Vec3& d, const Vec3& w, const Rest& rest, double dx, double dv, Jacobian kind) {
     const double r2 = d.squaredNorm();
     if (r2 < kTiny) return Mat3::Zero();
     const double inverse = 1.0 / std::sqrt(r2);
     const Vec3 n = inverse * d;
     double transverse = dx * rest.stiffness * (1.0 - rest.length * inverse);
-    if (kind == Jacobian::kProjected) {
+    if (kind == Jacobian::kAxial) {
+      transverse = 0.0;
+    } else if (kind == Jacobian::kProjected) {
       if (transverse < 0.0) transverse = 0.0;
     } else {
       transverse += dx * rest.damping * inverse * n.dot(w);

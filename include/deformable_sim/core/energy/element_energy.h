@@ -18,8 +18,10 @@ namespace deformable_sim {
 /// and, when kPairwise (two points, dependence on differences d = x_b - x_a, w = v_b - v_a only, opposite forces),
 ///   energy(d, rest), force(d, w, rest) on point a, stiffness(d, w, rest, dx, dv, kind) = dx dF/dd + dv dF/dw;
 /// otherwise
-///   energy(x, rest), force(x, v, rest, context), jacobian(x, v, rest, context, dx, dv) = dx df/dx + dv df/dv, and
-///   uniform_block(...), the one block that all pairs of points have in common in the projected Jacobian.
+///   energy(x, rest), force(x, v, rest, context), and either, when kUniform,
+///     jacobian(x, v, rest, context, dx, dv) = dx df/dx + dv df/dv, exact, and
+///     uniform_block(...), the one block that all pairs of points have in common in the projected Jacobian, or
+///     jacobian(x, v, rest, context, dx, dv, kind), exact or projected.
 template <class E>
 class ElementEnergy : public Energy {
  public:
@@ -94,23 +96,31 @@ class ElementEnergy : public Energy {
         a->block(slot[3]) += h;
       } else {
         const auto x = gather(s.x, e), v = gather(s.v, e);
-        if (kind == Jacobian::kProjected) {
-          const Mat3 block = E::uniform_block(x, v, e.rest, context, dx, dv);
-          for (int k : slot) a->block(k) -= block;
-          continue;
-        }
-        const auto blocks = E::jacobian(x, v, e.rest, context, dx, dv);
-        for (size_t i = 0; i < kPoints; ++i) {
-          for (size_t j = 0; j < kPoints; ++j) {
-            a->block(slot[kPoints * i + j]) -=
-                blocks.template block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
+        if constexpr (E::kUniform) {
+          if (kind != Jacobian::kExact) {
+            const Mat3 block = E::uniform_block(x, v, e.rest, context, dx, dv);
+            for (int k : slot) a->block(k) -= block;
+            continue;
           }
+          subtract(E::jacobian(x, v, e.rest, context, dx, dv), slot, a);
+        } else {
+          subtract(E::jacobian(x, v, e.rest, context, dx, dv, kind), slot, a);
         }
       }
     }
   }
 
  private:
+  template <class Blocks>
+  static void subtract(const Blocks& blocks, const std::array<int, kPoints * kPoints>& slot, BlockMatrix* a) {
+    for (size_t i = 0; i < kPoints; ++i) {
+      for (size_t j = 0; j < kPoints; ++j) {
+        a->block(slot[kPoints * i + j]) -=
+            blocks.template block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
+      }
+    }
+  }
+
   static Eigen::Matrix<double, 3, E::kPoints> gather(const Nodes& nodes, const Element& e) {
     Eigen::Matrix<double, 3, E::kPoints> points;
     for (size_t k = 0; k < kPoints; ++k) points.col(static_cast<Eigen::Index>(k)) = nodes.col(e.node[k]);

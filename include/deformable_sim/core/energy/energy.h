@@ -34,6 +34,9 @@ class Energy {
   virtual void bind(const BlockMatrix& matrix) = 0;
   /// A -= dx * df/dx + dv * df/dv.
   virtual void add_jacobian(const State& s, double dx, double dv, Jacobian kind, BlockMatrix* a) const = 0;
+
+  /// Carries what the state remembers for this term beyond x and v to the positions at the end of a step.
+  virtual void end_step(State* /*s*/) const {}
 };
 
 }  // namespace deformable_sim

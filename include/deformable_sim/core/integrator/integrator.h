@@ -55,10 +55,11 @@ class Integrator {
 struct SolverSettings {
   enum class Linear { kDirect, kConjugateGradient };
   Linear linear = Linear::kConjugateGradient;
-  int newton_iterations = 4;      // at most, per step
-  double tolerance = 0.02;        // RMS unbalanced acceleration at which Newton stops, m/s^2
-  double linear_tolerance = 0.1;  // relative residual of one linear solve
-  int linear_iterations = 200;    // at most, per linear solve
+  int newton_iterations = 4;                 // at most, per step
+  double tolerance = 0.02;                   // RMS unbalanced acceleration at which Newton stops, m/s^2
+  double linear_tolerance = 0.1;             // relative residual of one linear solve
+  int linear_iterations = 200;               // at most, per linear solve
+  Jacobian jacobian = Jacobian::kProjected;  // what Newton's matrix is made of: projected, or axial for comparison
 };
 
 /// By name: explicit_euler, symplectic_euler, rk4, implicit_euler. Throws InputError listing the names.
