@@ -17,22 +17,8 @@ Eigen::VectorXf node_strain(const Body& body, const Nodes& x) {
 }
 
 Eigen::Matrix3Xf node_normals(const Body& body, const Nodes& x) {
-  Nodes sum = Nodes::Zero(3, body.node_count);
-  if (body.surface) {
-    for (const auto& t : body.surface->triangles) {
-      const Vec3 a = x.col(body.first_node + t[0]), b = x.col(body.first_node + t[1]),
-                 c = x.col(body.first_node + t[2]);
-      const Vec3 area = (b - a).cross(c - a);
-      for (int node : t) sum.col(node) += area;
-    }
-  }
-  Eigen::Matrix3Xf normals(3, body.node_count);
-  for (int i = 0; i < body.node_count; ++i) {
-    const double length = sum.col(i).norm();
-    // A node whose faces cancel or vanish still gets a unit normal: a drawing must not get NaN.
-    normals.col(i) = length > 0.0 ? Eigen::Vector3f((sum.col(i) / length).cast<float>()) : Eigen::Vector3f::UnitZ();
-  }
-  return normals;
+  if (!body.surface) return Eigen::Vector3f(Eigen::Vector3f::UnitZ()).replicate(1, body.node_count);
+  return vertex_normals(*body.surface, x.middleCols(body.first_node, body.node_count)).cast<float>();
 }
 
 }  // namespace deformable_sim

@@ -69,12 +69,19 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
   check_settings(settings);
   integrator = make_integrator(settings.integrator, settings.solver);
   dynamics.mass = &model->mass;
+  if (model->mass_matrix.nonZeros() > 0) dynamics.mass_matrix = &model->mass_matrix;
+  if (!model->strain_limits.empty()) limiter = std::make_unique<StrainLimiter>(*model);
   if (integrator->needs().jacobian) {
     std::vector<std::array<int, 2>> pairs;
     for (const auto& e : model->energies) e->add_pattern(&pairs);
+    for (int j = 0; j < model->mass_matrix.outerSize(); ++j)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(model->mass_matrix, j); it; ++it)
+        if (it.row() < j) pairs.push_back({static_cast<int>(it.row()), j});
     add_contact_pairs(*model, &pairs);
+    if (limiter) limiter->springs()->add_pattern(&pairs);
     pattern = BlockMatrix(model->node_count(), pairs);
     for (const auto& e : model->energies) e->bind(pattern);
+    if (limiter) limiter->springs()->bind(pattern);
     dynamics.pattern = &pattern;
   }
   start();
@@ -87,12 +94,13 @@ void World::Parts::start() {
   report = StepReport();
   substeps = 1;
   max_penetration = 0.0;
+  limits_met = true;
   failure.clear();
   cost = last_cost = CostWindow();
   grasps = GraspSet(model.get(), settings.grasp_max_speed);
   colliders = ColliderSet(settings.collider_max_speed);
   for (const Collider& c : initial_colliders) colliders.add(c);
-  for (const GraspRequest& g : initial_grasps) grasps.add(g, state.x);
+  for (const GraspRequest& g : initial_grasps) grasps.add(g, state);
   colliders_changed();
   held_nodes_changed();
 }
@@ -100,6 +108,7 @@ void World::Parts::start() {
 void World::Parts::held_nodes_changed() {
   dynamics.energies.clear();
   for (const auto& e : model->energies) dynamics.energies.push_back(e.get());
+  if (limiter && dynamics.pattern != nullptr) dynamics.energies.push_back(limiter->springs());
   for (TargetSprings* springs : grasps.springs()) {
     if (dynamics.pattern != nullptr) springs->bind(pattern);
     dynamics.energies.push_back(springs);
@@ -149,13 +158,24 @@ bool World::Parts::state_is_sane() const {
 }
 
 void World::Parts::integrate(double h) {
+  if (limiter) limiter->begin(h, dynamics.kinematics, &state);
   const double start = cpu_seconds();
   const StepReport part = integrator->advance(h, &dynamics, &state);
   cost.integrate += cpu_seconds() - start;
   cost.assembly += part.seconds_assembly;
   cost.solve += part.seconds_solve;
   add(part, &report);
+  if (limiter) limit_strain(h);
   for (const Energy* energy : dynamics.energies) energy->end_step(&state);
+}
+
+void World::Parts::limit_strain(double h) {
+  if (!state.finite()) return;
+  const double start = cpu_seconds();
+  const StrainLimitReport found = limiter->project(h, &dynamics, &state);
+  cost.limits += cpu_seconds() - start;
+  limits_met = found.converged;
+  excess = found.violation;
 }
 
 void World::Parts::integrate_with_contacts(double h) {
@@ -179,7 +199,7 @@ void World::Parts::integrate_with_contacts(double h) {
 
 bool World::Parts::advance(double h, double fraction) {
   double start = cpu_seconds();
-  if (!grasps.empty()) grasps.advance(h, &dynamics.kinematics);
+  if (!grasps.empty()) grasps.advance(h, state, &dynamics.kinematics);
   if (!colliders.empty()) colliders.advance(h, &collider_steps);
   cost.grasps += cpu_seconds() - start;
 

@@ -1,6 +1,7 @@
 // Commands: each is checked completely before anything changes.
 #include <cmath>
 
+#include "deformable_sim/core/rod_frames.h"
 #include "world_parts.h"
 
 namespace deformable_sim {
@@ -25,6 +26,7 @@ void check_body_state(const Model& model, const command::SetBodyState& c) {
     throw InputError("positions must be within 1e6 m of the origin", Code::kOutOfRange);
   if (count > 0 && c.v.cwiseAbs().maxCoeff() > kFastest)
     throw InputError("velocities must be at most 1e4 m/s", Code::kOutOfRange);
+  if (c.rod.size() > 0) check_rod_state(model.bodies[static_cast<size_t>(body)], c.x, c.rod);
 }
 
 }  // namespace
@@ -38,7 +40,7 @@ Reply World::apply(const Command& any) {
     Reply reply;
 
     void operator()(const command::Grasp& c) {
-      reply.nodes = w.grasps.add(c.request, w.state.x);
+      reply.nodes = w.grasps.add(c.request, w.state);
       w.held_nodes_changed();
     }
     void operator()(const command::MoveGrasp& c) {
@@ -70,8 +72,14 @@ Reply World::apply(const Command& any) {
       const Body& body = w.model->bodies[static_cast<size_t>(index)];
       w.state.x.middleCols(body.first_node, body.node_count) = c.x;
       w.state.v.middleCols(body.first_node, body.node_count) = c.v;
-      if (w.grasps.hold_in_place(index, w.state.x)) reply.note = "held nodes are now held where they were put";
+      if (c.rod.size() > 0) {
+        set_rod_state(*w.model, body, c.rod, &w.state);
+      } else if (body.first_segment >= 0) {
+        carry_frames(body.first_segment, body.line->segment_count(), body.first_node, body.line->closed, &w.state);
+      }
+      if (w.grasps.hold_in_place(index, w.state)) reply.note = "held nodes are now held where they were put";
       if (w.contacts) w.contacts->forget_sides();
+      w.state.x_before.resize(3, 0);  // the motion up to here is not that of the new state
       w.stable_dt_age = -1;
       w.integrator->reset();
     }

@@ -9,6 +9,7 @@
 #include "deformable_sim/core/contact/collider_set.h"
 #include "deformable_sim/core/contact/contact_finder.h"
 #include "deformable_sim/core/grasp/grasp_set.h"
+#include "deformable_sim/core/strain_limit.h"
 #include "deformable_sim/core/world.h"
 
 namespace deformable_sim {
@@ -16,9 +17,9 @@ namespace deformable_sim {
 /// Thread CPU seconds by part, of the window being filled and of the last full one.
 struct CostWindow {
   static constexpr int kSteps = 50;
-  double assembly = 0.0, solve = 0.0, integrate = 0.0, contact = 0.0, grasps = 0.0;
+  double assembly = 0.0, solve = 0.0, integrate = 0.0, limits = 0.0, contact = 0.0, grasps = 0.0;
   int steps = 0;
-  double total() const { return integrate + contact + grasps; }
+  double total() const { return integrate + limits + contact + grasps; }
 };
 
 struct World::Parts {
@@ -35,7 +36,8 @@ struct World::Parts {
   State state;
   std::uint64_t step_count = 0;
   std::unique_ptr<Integrator> integrator;
-  BlockMatrix pattern;  // empty for schemes without a Jacobian
+  BlockMatrix pattern;                     // empty for schemes without a Jacobian
+  std::unique_ptr<StrainLimiter> limiter;  // only where the model has strain limits
   Dynamics dynamics;
   GraspSet grasps;
   ColliderSet colliders;
@@ -49,6 +51,8 @@ struct World::Parts {
   double max_penetration = 0.0;
   double violation = 0.0;  // m, of the worst contact in any part of the step
   std::string failure;     // why the last step could not be made
+  double excess = 0.0;     // over the worst strain limit, relative, after the projection
+  bool limits_met = true;
   CostWindow cost, last_cost;
 
   // Largest stable step of an explicit scheme, s, and how many steps ago it was measured; infinite for implicit ones.
@@ -74,6 +78,7 @@ struct World::Parts {
   /// Finds contacts and integrates, again with a wider reach while some node moved further than was looked for.
   void integrate_with_contacts(double h);
   void integrate(double h);
+  void limit_strain(double h);
   bool state_is_sane() const;
   /// A finite step that had better be made again in shorter parts; `refinement` = how often that was done.
   bool is_poor(int refinement) const;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "deformable_sim/core/rod_frames.h"
 #include "world_parts.h"
 
 namespace deformable_sim {
@@ -23,6 +24,11 @@ BodyReport report_of(const Model& model, const Body& body, const State& s) {
   for (int i = body.first_node; i < body.first_node + body.node_count; ++i) {
     r.kinetic_energy += 0.5 * model.mass[i] * s.v.col(i).squaredNorm();
     r.potential_energy -= model.mass[i] * model.gravity.dot(s.x.col(i));
+  }
+  if (body.first_segment >= 0) {
+    const int first = model.point_count() + body.first_segment;
+    for (int i = first; i < first + body.line->segment_count(); ++i)
+      r.kinetic_energy += 0.5 * model.mass[i] * s.v.col(i).squaredNorm();
   }
   for (const StrainEdge& e : body.strain_edges) {
     const double strain = (s.x.col(e.node[1]) - s.x.col(e.node[0])).norm() / e.rest_length - 1.0;
@@ -47,6 +53,20 @@ void count_contacts(const Model& model, const ContactConstraints& contacts, Snap
   s->contact_force = force.colwise().norm().transpose().cast<float>();
 }
 
+/// Material frames of rods with twist; nothing where there are none.
+void copy_rod_frames(const Model& model, const State& s, Snapshot* snapshot) {
+  if (model.angle_count == 0) return;
+  snapshot->tangents = s.tangents;
+  snapshot->directors.resize(3, s.directors.cols());
+  snapshot->rods.resize(6, s.directors.cols());
+  for (const Body& body : model.bodies) {
+    if (body.first_segment < 0) continue;
+    snapshot->rods.middleCols(body.first_segment, body.line->segment_count()) = rod_state(model, body, s);
+    for (int k = 0; k < body.line->segment_count(); ++k)
+      snapshot->directors.col(body.first_segment + k) = material_frame(model, body, s, k).col(0);
+  }
+}
+
 /// CPU seconds of one evaluation of a term's force, to divide the measured cost of assembly between the terms.
 double force_seconds(const Energy& energy, const State& s, Nodes* work) {
   const double start = cpu_seconds();
@@ -61,13 +81,31 @@ std::string counted(const Energy& energy) {
   return std::to_string(energy.element_count()) + (springs ? " springs" : " elements");
 }
 
+std::string percent(double strain) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %%", 100.0 * std::abs(strain));
+  return text;
+}
+
+/// One line for each body beyond the strains its material's law holds for.
+void warn_of_strain(const Model& model, const std::vector<BodyReport>& reports, std::vector<std::string>* warnings) {
+  for (size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto& [low, high] = model.bodies[b].valid_strain;
+    const bool stretched = reports[b].max_strain > high;
+    if (!stretched && !(reports[b].min_strain < low)) continue;
+    warnings->push_back("body " + model.bodies[b].name + (stretched ? " is stretched to " : " is compressed to ") +
+                        percent(stretched ? reports[b].max_strain : reports[b].min_strain) + ", beyond the " +
+                        percent(stretched ? high : low) + " its material law holds for");
+  }
+}
+
 // m/s^2, about twice gravity: fast slack cloth misses the Newton tolerance at most steps without showing; see ~status.
 constexpr double kNotableResidual = 20.0;
 
 }  // namespace
 
 std::vector<std::string> World::Parts::warnings() const {
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = model->notes;
   char text[200];
   if (std::isfinite(stable_dt) && substeps > 1) {
     std::snprintf(text, sizeof text, "%s takes %d substeps of %.3g s to stay stable; implicit_euler does not need them",
@@ -77,6 +115,12 @@ std::vector<std::string> World::Parts::warnings() const {
   if (integrator->stability_limit() == 0.0)
     warnings.push_back(integrator->name() +
                        " is unstable at any step unless damped; use symplectic_euler or implicit_euler");
+  if (!limits_met) {
+    std::snprintf(text, sizeof text,
+                  "the strain limit is exceeded by %.3g: grasps or colliders stretch the body further than it allows",
+                  excess);
+    warnings.emplace_back(text);
+  }
   if (!failure.empty()) {
     warnings.push_back(failure);
   } else if (!report.converged && report.residual > kNotableResidual) {
@@ -97,6 +141,7 @@ Snapshot World::snapshot() const {
   s.model = w.model;
   s.x = w.state.x;
   s.v = w.state.v;
+  copy_rod_frames(*w.model, w.state, &s);
   for (const Body& b : w.model->bodies) s.bodies.push_back(report_of(*w.model, b, w.state));
   for (const auto& e : w.model->energies) {
     const int body = body_of(*w.model, *e);
@@ -111,6 +156,7 @@ Snapshot World::snapshot() const {
   s.substeps = w.substeps;
   s.max_penetration = w.max_penetration;
   s.warnings = w.warnings();
+  warn_of_strain(*w.model, s.bodies, &s.warnings);
 
   const CostWindow& cost = w.last_cost.steps > 0 ? w.last_cost : w.cost;
   if (cost.steps == 0) return s;
@@ -118,6 +164,7 @@ Snapshot World::snapshot() const {
   s.cost.push_back({"forces and assembly", cost.assembly * per_second});
   if (w.dynamics.pattern != nullptr) s.cost.push_back({"linear solver", cost.solve * per_second});
   s.cost.push_back({"integrator", std::max(0.0, cost.integrate - cost.assembly - cost.solve) * per_second});
+  if (w.limiter) s.cost.push_back({"strain limits", cost.limits * per_second});
   if (w.contacts) s.cost.push_back({"contact", cost.contact * per_second});
   if (!w.grasps.empty()) s.cost.push_back({"grasps", cost.grasps * per_second});
   return s;
@@ -147,8 +194,12 @@ std::vector<BillItem> World::bill() const {
                         std::to_string(w.pattern.block_count()) + " blocks of 3 x 3",
                     cost.solve / total});
   }
-  bill.push_back({w.integrator->name(), std::to_string(w.model->node_count()) + " nodes",
+  const int angles = w.model->angle_count;
+  bill.push_back({w.integrator->name(),
+                  std::to_string(w.model->point_count()) + " nodes" +
+                      (angles > 0 ? ", " + std::to_string(angles) + " angles" : ""),
                   std::max(0.0, cost.integrate - cost.assembly - cost.solve) / total});
+  if (w.limiter) bill.push_back({"strain limits", std::to_string(w.limiter->count()) + " limits", cost.limits / total});
   if (w.contacts)
     bill.push_back({"contact",
                     std::to_string(w.contacts->point_count()) + " points, " +

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
+#include "deformable_sim/core/integrator/mass_factor.h"
 #include "world_parts.h"
 
 namespace deformable_sim {
@@ -11,14 +13,7 @@ namespace {
 constexpr double kSafety = 0.9;
 constexpr int kRemeasureSteps = 50;
 constexpr int kMaxParts = 100000;
-
-/// Largest stable step of an oscillator of frequency omega damped at `rate` = 2 zeta omega, exact for symplectic Euler
-/// (limit 2), close for the others: h = limit / omega (sqrt(1 + zeta^2) - zeta).
-double damped_limit(double limit, double omega, double rate) {
-  if (omega <= 0.0) return rate > 0.0 ? limit / rate : std::numeric_limits<double>::infinity();
-  const double zeta = 0.5 * rate / omega;
-  return limit / omega / (std::sqrt(1.0 + zeta * zeta) + zeta);
-}
+constexpr double kLeastDamping = 0.005;
 
 }  // namespace
 
@@ -31,6 +26,11 @@ double highest_damping_rate(const Dynamics& d, const State& s) {
     for (const Energy* e : d.energies) e->add_force(at, &f);
     return f;
   };
+  std::unique_ptr<MassFactor> mass_factor;
+  if (d.mass_matrix != nullptr) {
+    mass_factor = std::make_unique<MassFactor>();
+    mass_factor->prepare(*d.mass_matrix, d.kinematics.node);
+  }
   const Nodes f0 = force(s);
   Nodes w(3, n);
   // Any start that is not smooth: the fastest damped modes alternate from node to node.
@@ -46,7 +46,11 @@ double highest_damping_rate(const Dynamics& d, const State& s) {
     w *= kProbe / largest;
     probe.v = s.v + w;
     Nodes image = f0 - force(probe);
-    for (Eigen::Index i = 0; i < n; ++i) image.col(i) /= (*d.mass)[i];
+    if (mass_factor) {
+      mass_factor->solve(&image);
+    } else {
+      for (Eigen::Index i = 0; i < n; ++i) image.col(i) /= (*d.mass)[i];
+    }
     const double next = image.norm() / w.norm();
     w = image;
     const bool settled = std::abs(next - rate) < 1e-3 * next;
@@ -63,9 +67,10 @@ int World::Parts::wanted_parts() {
     return 1;
   }
   if (stable_dt_age < 0 || stable_dt_age >= kRemeasureSteps) {
-    // Explicit Euler has no stable step of its own without damping; it is given the one of its symplectic sister.
-    stable_dt = damped_limit(limit > 0.0 ? limit : 2.0, highest_frequency(dynamics, state),
-                             highest_damping_rate(dynamics, state));
+    const double omega = highest_frequency(dynamics, state), rate = highest_damping_rate(dynamics, state);
+    stable_dt = stable_step(*integrator, omega, rate);
+    // Explicit Euler has no stable step of its own without damping, and none worth taking with little.
+    if (limit == 0.0 && omega > 0.0 && stable_dt < kLeastDamping * 2.0 / omega) stable_dt = 2.0 / omega;
     stable_dt_age = 0;
   }
   ++stable_dt_age;

@@ -22,11 +22,13 @@ CORE_RULES = {
     'material/': ['types.h', 'error.h', 'material/', 'topology/'],
     'topology/': ['types.h', 'error.h', 'topology/'],
     'linear/': ['types.h', 'error.h', 'linear/'],
-    'energy/': ['types.h', 'error.h', 'state.h', 'element/', 'material/', 'topology/', 'linear/', 'energy/'],
+    'rod_frames': ['types.h', 'error.h', 'state.h', 'element/rod_frame.h', 'topology/', 'model.h', 'rod_frames.h'],
+    'energy/': ['types.h', 'error.h', 'state.h', 'element/', 'material/', 'topology/', 'linear/', 'rod_frames.h', 'energy/'],
     'integrator/': ['types.h', 'error.h', 'state.h', 'linear/', 'element/jacobian.h', 'energy/energy.h', 'contact/constraint.h', 'grasp/kinematics.h',
                     'integrator/'],
     'contact/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'topology/', 'model.h', 'contact/'],
-    'grasp/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'topology/', 'model.h', 'energy/', 'grasp/'],
+    'grasp/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'element/rod_frame.h', 'rod_frames.h', 'topology/', 'model.h',
+               'energy/', 'grasp/'],
     'model': ['types.h', 'error.h', 'state.h', 'energy/', 'material/', 'topology/', 'model.h'],
     '': None,
 }
@@ -67,8 +69,8 @@ def check_package_include(layer, rest, target_layer, target):
     elif layer == 'robot':
         if target_layer in ('core', 'scene', 'ros'):
             return 'the robot demo uses only the public ROS interface'
-    elif layer == 'program' and rest.startswith(('simulate', 'study')):
-        if target_layer not in ('core', 'scene'):
+    elif layer == 'study' or layer == 'program' and rest.startswith(('simulate', 'study')):
+        if target_layer not in ('core', 'scene') and not (target_layer == 'study' and not rest.startswith('simulate')):
             return 'headless programs may include only core and scene'
     return None
 
@@ -116,7 +118,7 @@ def without_comments(text):
     """Comments and strings blanked, line numbers kept."""
     def blank(found):
         return re.sub(r'[^\n]', ' ', found.group(0))
-    return re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', blank, text, flags=re.S)
+    return re.sub(r'R"\((?:.*?)\)"|//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', blank, text, flags=re.S)
 
 
 CONSTANT = re.compile(r'\b(const|constexpr|consteval)\b')

@@ -24,6 +24,9 @@ BAD = [
     ('src/scene/load.cpp', '#include "deformable_sim/core/energy/terms.h"', 'turn a name into a type'),
     ('src/simulate.cpp', '#include <ros/ros.h>', 'program may not include'),
     ('src/simulate.cpp', '#include "deformable_sim/ros/node.h"', 'headless programs'),
+    ('src/study/report.cpp', '#include <ros/ros.h>', 'study may not include'),
+    ('src/study/report.cpp', '#include <yaml-cpp/yaml.h>', 'YAML is read in scene only'),
+    ('src/study/report.cpp', '#include "deformable_sim/ros/node.h"', 'headless programs'),
     ('src/robot/demo.cpp', '#include "deformable_sim/core/world.h"', 'public ROS interface'),
     ('src/core/element/spring.cpp', '#include "deformable_sim/core/energy/energy.h"', 'core/element/spring.cpp may'),
     ('src/core/element/spring.cpp', '#include "deformable_sim/core/world.h"', 'core/element/spring.cpp may'),
@@ -48,6 +51,7 @@ GOOD = [
     ('src/ros/node.cpp', '#include <ros/ros.h>\n#include "deformable_sim/scene/build.h"\n#include "deformable_sim/Step.h"'),
     ('src/robot/demo.cpp', '#include <ros/ros.h>\n#include "deformable_sim/Grasp.h"'),
     ('src/core/integrator/rk4.cpp', '#include "deformable_sim/core/energy/energy.h"'),
+    ('src/scene/x.cpp', 'const char kPage[] = R"(\nyields, breaks or leaves its range; a body\n// static\n)";'),
     ('src/core/world.cpp', '// static int calls = 0;\nconstexpr int kThree = 3;\nconst char* const kName = "static int a;";'),
     ('src/core/world.cpp', 'double f(int a);\nclass World::Part;\nstruct A {\n  static A make();\n  static constexpr int kN = 1;\n};'),
     ('src/core/world.cpp', 'Mat3 outer(const Vec3& a,\n           const Vec3& b) {\n  static const Mat3 zero = Mat3::Zero();\n}'),
@@ -81,6 +85,18 @@ class Layering(unittest.TestCase):
             problems = layering.check_tree(root)
             self.assertEqual(len(problems), 1, problems)
             self.assertIn('src/core/element/a.cpp:1:', problems[0])
+
+    def test_the_bench_may_use_its_own_files_and_no_other_program_may(self):
+        with tempfile.TemporaryDirectory() as root:
+            os.makedirs(os.path.join(root, 'src/study'))
+            for path, text in (('src/study.cpp', '#include "study/bench.h"'), ('src/simulate.cpp', '#include "study/bench.h"'),
+                               ('src/study/bench.cpp', '#include "bench.h"'),
+                               ('src/study/bench.h', '#include <Eigen/Core>\n#include "deformable_sim/core/model.h"')):
+                with open(os.path.join(root, path), 'w', encoding='utf-8') as stream:
+                    stream.write(text + '\n')
+            problems = layering.check_tree(root)
+            self.assertEqual(len(problems), 1, problems)
+            self.assertIn('src/simulate.cpp:1: headless programs', problems[0])
 
     def test_accepts_what_the_layers_allow(self):
         for path, text in GOOD:

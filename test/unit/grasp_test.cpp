@@ -125,12 +125,11 @@ TEST(Selection, RefusesWhatItCannotTake) {
 
 TEST(GraspSet, RefusesBadRequestsAndKeepsWhatItHas) {
   const auto model = five_points();
-  const Nodes& x = model->initial.x;
   GraspSet set(model.get(), 1.0);
-  set.add(grasp_nodes("left", "points", {0, 1}), x);
+  set.add(grasp_nodes("left", "points", {0, 1}), model->initial);
   const auto why = [&](const GraspRequest& r, Code expected) {
     Code code = Code::kOk;
-    const std::string text = refusal([&] { set.add(r, x); }, &code);
+    const std::string text = refusal([&] { set.add(r, model->initial); }, &code);
     EXPECT_EQ(code, expected) << text;
     EXPECT_EQ(set.reports().size(), 1u);
     EXPECT_EQ(set.kinematics().node, (std::vector<int>{0, 1}));
@@ -164,18 +163,18 @@ TEST(GraspSet, MovesItsNodesRigidly) {
   GraspSet set(model.get(), 1.0);
   GraspRequest r = grasp_nodes("g", "points", {4, 2});
   r.has_frame = true;
-  set.add(r, model->initial.x);
+  set.add(r, model->initial);
   Kinematics k = set.kinematics();
   EXPECT_EQ(k.node, (std::vector<int>{2, 4}));
   EXPECT_EQ(set.move("g", at(0.1, 0, 0, M_PI / 2, Vec3::UnitZ()), 1.0, kDt), "");
   for (int i = 1; i <= 100; ++i) {
-    set.advance(kDt, &k);
+    set.advance(kDt, model->initial, &k);
     const double u = 0.01 * i;
     const Pose pose = at(0.1 * u, 0, 0, u * M_PI / 2, Vec3::UnitZ());
     EXPECT_NEAR((k.target.col(0) - pose * Vec3(0.02, 0, 0)).norm(), 0.0, 1e-12);
     EXPECT_NEAR((k.target.col(1) - pose * Vec3(0.04, 0, 0)).norm(), 0.0, 1e-12);
   }
-  set.advance(kDt, &k);
+  set.advance(kDt, model->initial, &k);
   EXPECT_NEAR((k.target.col(1) - Vec3(0.1, 0.04, 0)).norm(), 0.0, 1e-12);
   EXPECT_FALSE(set.reports()[0].speed_limited);
 }
@@ -186,7 +185,7 @@ TEST(GraspSet, LimitsAJumpToItsMaxSpeed) {
   GraspSet set(model.get(), 1.0);
   GraspRequest r = grasp_nodes("g", "points", {0, 4});
   r.max_speed = 0.5;
-  set.add(r, model->initial.x);
+  set.add(r, model->initial);
   Kinematics k = set.kinematics();
   const std::string note = set.move("g", at(10, 0, 0, 3.0, Vec3(0, 1, 1)), 0.0, kDt);
   EXPECT_TRUE(contains(note, "rate-limited to 0.5 m/s")) << note;
@@ -195,7 +194,7 @@ TEST(GraspSet, LimitsAJumpToItsMaxSpeed) {
   before.col(1) = model->initial.x.col(4);
   double way = 0.0;
   for (int i = 0; i < 300; ++i) {
-    set.advance(kDt, &k);
+    set.advance(kDt, model->initial, &k);
     for (int j = 0; j < 2; ++j) EXPECT_LE((k.target.col(j) - before.col(j)).norm(), 0.005 + 1e-9);
     EXPECT_TRUE(set.reports()[0].speed_limited);
     way += (k.target.col(0) - before.col(0)).norm();
@@ -207,18 +206,18 @@ TEST(GraspSet, LimitsAJumpToItsMaxSpeed) {
 TEST(GraspSet, HoldsStillWhileItsFrameIsMissing) {
   const auto model = five_points();
   GraspSet set(model.get(), 1.0);
-  set.add(grasp_nodes("g", "points", {2}), model->initial.x);
+  set.add(grasp_nodes("g", "points", {2}), model->initial);
   Kinematics k = set.kinematics();
   set.move("g", at(1, 0, 0), 1.0, kDt);
-  set.advance(kDt, &k);
+  set.advance(kDt, model->initial, &k);
   set.set_waiting("g", true);
   const Vec3 held = k.target.col(0);
-  for (int i = 0; i < 10; ++i) set.advance(kDt, &k);
+  for (int i = 0; i < 10; ++i) set.advance(kDt, model->initial, &k);
   EXPECT_EQ(Vec3(k.target.col(0)), held);
   EXPECT_EQ(set.reports()[0].phase, GraspPhase::kWaitingForFrame);
   EXPECT_FALSE(set.move("g", at(1, 0, 0), 1.0, kDt).empty());
   set.set_waiting("g", false);
-  set.advance(kDt, &k);
+  set.advance(kDt, model->initial, &k);
   EXPECT_GT(k.target(0, 0), held.x());
   EXPECT_EQ(set.reports()[0].phase, GraspPhase::kHolding);
 }
@@ -226,7 +225,7 @@ TEST(GraspSet, HoldsStillWhileItsFrameIsMissing) {
 TEST(GraspSet, RefusesBadMovesAndUnknownNames) {
   const auto model = five_points();
   GraspSet set(model.get(), 1.0);
-  set.add(grasp_nodes("g", "points", {2}), model->initial.x);
+  set.add(grasp_nodes("g", "points", {2}), model->initial);
   Pose bad = at(0, 0, 0);
   bad.translation().x() = std::nan("");
   EXPECT_TRUE(contains(refusal([&] { set.move("g", bad, 0.0, kDt); }), "finite"));
@@ -242,9 +241,9 @@ TEST(GraspSet, ReportsTheWrenchOfTheBodyOnTheGripper) {
   GraspSet set(model.get(), 1.0);
   GraspRequest r = grasp_nodes("g", "points", {2, 4});
   r.has_frame = true;
-  set.add(r, model->initial.x);
+  set.add(r, model->initial);
   Kinematics k = set.kinematics();
-  set.advance(kDt, &k);
+  set.advance(kDt, model->initial, &k);
   k.reaction.col(0) = Vec3(0, 0, 3);
   k.reaction.col(1) = Vec3(0, 1, 0);
   set.clear_wrenches();
@@ -261,13 +260,13 @@ TEST(GraspSet, PullsSoftlyWithItsStiffnessSharedBetweenNodes) {
   GraspSet set(model.get(), 1.0);
   GraspRequest r = grasp_nodes("g", "points", {2, 4});
   r.stiffness = 100.0;
-  set.add(r, model->initial.x);
+  set.add(r, model->initial);
   EXPECT_TRUE(set.kinematics().node.empty());
   ASSERT_EQ(set.springs().size(), 1u);
   State s = model->initial;
   s.x.row(2).array() -= 0.01;
   Kinematics k = set.kinematics();
-  set.advance(kDt, &k);
+  set.advance(kDt, model->initial, &k);
   set.measure(k, s, 1.0);
   EXPECT_NEAR((set.reports()[0].force - Vec3(0, 0, -1)).norm(), 0.0, 1e-12);
   Nodes f = Nodes::Zero(3, 5);
@@ -280,7 +279,7 @@ TEST(GraspSet, SlipsWhenOverloadedAndMayBeTakenAgain) {
   GraspSet set(model.get(), 1.0);
   GraspRequest r = grasp_nodes("g", "points", {2});
   r.max_force = 2.0;
-  set.add(r, model->initial.x);
+  set.add(r, model->initial);
   Kinematics k = set.kinematics();
   k.reaction.col(0) = Vec3(0, 0, 1.9);
   set.measure(k, model->initial, 1.0);
@@ -295,7 +294,7 @@ TEST(GraspSet, SlipsWhenOverloadedAndMayBeTakenAgain) {
   EXPECT_TRUE(set.kinematics().node.empty());
   EXPECT_TRUE(contains(refusal([&] { set.move("g", at(0, 0, 0), 0.0, kDt); }), "slipped"));
   EXPECT_TRUE(contains(refusal([&] { set.set_waiting("g", true); }), "slipped"));
-  EXPECT_EQ(set.add(r, model->initial.x), std::vector<int>{2});
+  EXPECT_EQ(set.add(r, model->initial), std::vector<int>{2});
   ASSERT_EQ(set.reports().size(), 1u);
   EXPECT_EQ(set.reports()[0].phase, GraspPhase::kHolding);
 }

@@ -3,6 +3,8 @@
 
 #include <cstdlib>
 
+#include "deformable_sim/core/energy/shell_terms.h"
+#include "deformable_sim/core/energy/solid_terms.h"
 #include "support/system.h"
 
 namespace {
@@ -46,6 +48,65 @@ TEST_P(WarmStep, AllocatesNothing) {
   allocations = 0;
   counting = true;
   for (int k = 0; k < 5; ++k) body.step(*integrator, 1e-3);
+  counting = false;
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST_P(WarmStep, OfAVolumeAllocatesNothing) {
+  for (const bool quadratic : {false, true}) {
+    TetMesh mesh = make_box(Vec3(0.3, 0.2, 0.2), {3, 2, 2});
+    if (quadratic) mesh = with_mid_nodes(mesh);
+    System body(mesh.rest, solid_masses(mesh, 1000.0));
+    body.add(make_solid(mesh, solid_material(SolidLaw::kStableNeoHookean, 1e4, 0.4), 1e-3, 0)).add_gravity().hold(0);
+    const auto integrator = make_integrator(GetParam(), {});
+    for (int k = 0; k < 5; ++k) body.step(*integrator, 1e-4);
+    allocations = 0;
+    counting = true;
+    for (int k = 0; k < 5; ++k) body.step(*integrator, 1e-4);
+    counting = false;
+    EXPECT_EQ(allocations, 0) << quadratic;
+  }
+}
+
+TEST(WarmStep, AllocatesNothingForSheetsAsContinua) {
+  const TriangleMesh mesh = make_grid(0.3, 0.3, 5, 5);
+  System body(mesh.rest, sheet_masses(mesh, 0.2));
+  SheetMaterial stretch = isotropic_sheet(SolidLaw::kStableNeoHookean, 100.0, 0.3);
+  BendingMaterial bend = isotropic_bending(1e-4, 0.3);
+  stretch.damping = bend.damping = 1e-3;
+  body.add(make_membrane(mesh, stretch, 0)).add(make_bending(mesh, bend, 0)).add(make_quadratic_bending(mesh, bend, 0));
+  body.add_gravity().hold(0);
+  const auto integrator = make_integrator("implicit_euler", {});
+  for (int k = 0; k < 5; ++k) body.step(*integrator, 1e-3);
+  allocations = 0;
+  counting = true;
+  for (int k = 0; k < 5; ++k) body.step(*integrator, 1e-3);
+  for (const Energy* term : body.dynamics.energies) {
+    term->add_jacobian(body.state, 1.0, 1.0, Jacobian::kExact, &body.pattern);
+  }
+  counting = false;
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST_P(WarmStep, AllocatesNothingWithAMassMatrixAndAMovingHolder) {
+  const TriangleMesh mesh = make_grid(0.3, 0.3, 4, 4);
+  SheetStiffness stiffness;
+  stiffness.membrane = 100.0;
+  System body(mesh.rest, sheet_masses(mesh, 0.2));
+  body.add_springs(sheet_network(mesh, stiffness)).add_gravity().hold(0);
+  Eigen::SparseMatrix<double> mass(body.mass.size(), body.mass.size());
+  for (int i = 0; i < body.mass.size(); ++i) mass.insert(i, i) = body.mass[i];
+  mass.coeffRef(1, 2) = mass.coeffRef(2, 1) = 0.1 * body.mass[1];
+  body.dynamics.mass_matrix = &mass;
+  const auto integrator = make_integrator(GetParam(), {});
+  const auto step = [&] {
+    body.dynamics.kinematics.target(2, 0) += 1e-4;
+    body.step(*integrator, 1e-3);
+  };
+  for (int k = 0; k < 5; ++k) step();
+  allocations = 0;
+  counting = true;
+  for (int k = 0; k < 5; ++k) step();
   counting = false;
   EXPECT_EQ(allocations, 0);
 }

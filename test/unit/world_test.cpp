@@ -290,7 +290,7 @@ TEST(World, StaysAtItsLastGoodStateWhenThereIsNoFiniteStep) {
    private:
     double from_;
   };
-  for (const char* scheme : {"implicit_euler", "symplectic_euler", "rk4"}) {
+  for (const std::string& scheme : integrator_names()) {
     auto model = test::points_model(Nodes::Zero(3, 1), 0.1, Vec3(0, 0, -9.81));
     model->energies.push_back(std::make_unique<NotANumber>(0.055));
     World world(model, settings(scheme), {collider("floor", Shape::Type::kPlane, Vec3::Zero(), at(0, 0, -1))}, {});
@@ -335,7 +335,7 @@ TEST(World, StartsAFailedStepAgainFromWhereItWas) {
    private:
     mutable bool failed_ = false;
   };
-  for (const char* scheme : {"symplectic_euler", "rk4"}) {
+  for (const std::string scheme : {"symplectic_euler", "velocity_verlet", "rk4"}) {
     auto model = test::points_model(Nodes::Zero(3, 2), 0.1, Vec3::Zero());
     model->initial.v(0, 1) = 0.5;
     model->energies.push_back(std::make_unique<FailsOnce>());

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "support/system.h"
+#include "support/verification.h"
 
 namespace deformable_sim::test {
 namespace {
@@ -120,8 +121,9 @@ TEST(TractionOfAGrid, GivesEBackAtThreeMeshSizesAndCellShapes) {
   stiffness.poissons_ratio = 0.243;
   for (const auto& [cells_x, cells_y] : {std::array<int, 2>{10, 4}, {20, 8}, {40, 16}, {30, 8}, {16, 9}}) {
     const Traction found = pull(make_grid(0.5, 0.2, cells_x, cells_y), stiffness, 0.5, 0.2, 0.261);
-    EXPECT_NEAR(found.modulus, 261.0, 0.01 * 261.0) << cells_x << " x " << cells_y;
-    EXPECT_NEAR(found.ratio, 0.243, 0.02) << cells_x << " x " << cells_y;
+    const std::string name = "traction, grid of " + std::to_string(cells_x) + " x " + std::to_string(cells_y);
+    check("C2", name + ", E h, N/m", found.modulus, 261.0, 0.01);
+    check("C2", name + ", Poisson's ratio", found.ratio, 0.243, 0.02, Tolerance::kAbsolute);
   }
 }
 
@@ -134,7 +136,8 @@ TEST(TractionOfAGrid, GivesEBackAcrossTheWeftAsWell) {
     const Vec3 p = mesh.rest.col(i);
     mesh.rest.col(i) = Vec3(p.y(), -p.x(), 0);
   }
-  EXPECT_NEAR(pull(mesh, stiffness, 0.5, 0.2, 0.261).modulus, 261.0, 0.01 * 261.0);
+  check("C2", "traction along the weft of a grid, E h, N/m", pull(mesh, stiffness, 0.5, 0.2, 0.261).modulus, 261.0,
+        0.01);
 }
 
 TEST(TractionOfAGrid, GivesEBackWithItsOwnShearAndBend) {
@@ -142,7 +145,8 @@ TEST(TractionOfAGrid, GivesEBackWithItsOwnShearAndBend) {
   stiffness.membrane = 261.0;
   stiffness.shear = 30.0;
   stiffness.bend = 5.0;
-  EXPECT_NEAR(pull(make_grid(0.5, 0.2, 20, 8), stiffness, 0.5, 0.2, 0.261).modulus, 261.0, 0.01 * 261.0);
+  check("C2", "traction, grid with its own shear and bend springs, E h, N/m",
+        pull(make_grid(0.5, 0.2, 20, 8), stiffness, 0.5, 0.2, 0.261).modulus, 261.0, 0.01);
 }
 
 TEST(TractionOfAGrid, OfGivenSpringsIsTheirLattice) {
@@ -152,8 +156,8 @@ TEST(TractionOfAGrid, OfGivenSpringsIsTheirLattice) {
   stiffness.shear = 50.0;
   stiffness.bend = 0.0;
   const Traction found = pull(make_grid(0.5, 0.2, 20, 8), stiffness, 0.5, 0.2, 0.1);
-  EXPECT_NEAR(found.modulus, 100.0 * 200.0 / 150.0, 0.01 * 133.0);
-  EXPECT_NEAR(found.ratio, 1.0 / 3.0, 0.01);
+  check("C2", "traction, grid of given springs, E h, N/m", found.modulus, 100.0 * 200.0 / 150.0, 0.01);
+  check("C2", "traction, grid of given springs, Poisson's ratio", found.ratio, 1.0 / 3.0, 0.01, Tolerance::kAbsolute);
 }
 
 TEST(TractionOfAMesh, GivesEBackAtThreeMeshSizes) {
@@ -162,8 +166,9 @@ TEST(TractionOfAMesh, GivesEBackAtThreeMeshSizes) {
   stiffness.membrane = 261.0;
   for (const int cells : {15, 25, 40}) {
     const Traction found = pull(irregular_mesh(0.5, 0.2, cells), stiffness, 0.5, 0.2, 0.261);
-    EXPECT_NEAR(found.modulus, 261.0, 0.05 * 261.0) << cells;
-    EXPECT_NEAR(found.ratio, 1.0 / 3.0, 0.03) << cells;
+    const std::string name = "traction, irregular mesh of " + std::to_string(cells) + " cells";
+    check("C2", name + ", E h, N/m", found.modulus, 261.0, 0.05);
+    check("C2", name + ", Poisson's ratio", found.ratio, 1.0 / 3.0, 0.03, Tolerance::kAbsolute);
   }
 }
 
@@ -186,7 +191,8 @@ TEST(TractionOfARope, GivesEaBackAtThreeMeshSizes) {
       rope.add(std::make_unique<Load>(force));
       ASSERT_LT(relax(&rope, 10.0, 20, 1e-7), 1e-6);
       const double elongation = rope.state.x(0, n) - line.rest(0, n);
-      EXPECT_NEAR(pull_force * length / elongation, 50.0, 1e-6 * 50.0) << n;
+      check("C2", "traction, rope of " + std::to_string(n) + (direct ? " given springs" : " springs") + ", EA, N",
+            pull_force * length / elongation, 50.0, 1e-6);
     }
   }
 }

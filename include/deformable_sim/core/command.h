@@ -8,6 +8,7 @@
 #include "deformable_sim/core/contact/collider.h"
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/core/grasp/grasp.h"
+#include "deformable_sim/core/state.h"
 
 namespace deformable_sim {
 
@@ -43,10 +44,13 @@ struct MoveCollider {
 struct RemoveCollider {
   std::string name;
 };
-/// Positions and velocities of one body, exact.
+/// Positions and velocities of one body, exact. A rod with twist also has the angles and frames of its segments: given
+/// in `rod` as rod_state() wrote them, exact as well; left out, the angles stay and the frames are carried along to the
+/// new positions without spin.
 struct SetBodyState {
   std::string body;
   Nodes x, v;
+  RodState rod = {};
 };
 /// Back to the initial state, grasps and colliders of the scene.
 struct Reset {};

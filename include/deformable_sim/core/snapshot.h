@@ -32,6 +32,10 @@ struct Snapshot {
   std::uint64_t step = 0;
   std::shared_ptr<const Model> model;
   Nodes x, v;
+  // Of each segment of rods with twist, as Body::first_segment counts them: the first material director, and the
+  // tangent it is normal to (unit; the second director is tangent x first). Empty without such rods.
+  Nodes directors, tangents;
+  RodState rods;                   // of those segments, for SetBodyState
   std::vector<BodyReport> bodies;  // parallel to model->bodies
   Eigen::VectorXf contact_force;   // N at each node, normal and friction; empty when nothing touches
   std::vector<GraspReport> grasps;

@@ -40,7 +40,14 @@ Vec3 position(const ContactPoint& point, const Nodes& x) {
 
 void add_node_points(const Model& model, int body, std::vector<ContactPoint>* points) {
   const Body& b = model.bodies[static_cast<size_t>(body)];
-  for (int i = 0; i < b.node_count; ++i) points->push_back({{{b.first_node + i, -1, -1}}, 1, body});
+  // Of a solid only the surface can touch anything.
+  std::vector<char> outside(static_cast<size_t>(b.node_count), b.volume ? 0 : 1);
+  if (b.volume) {
+    for (const auto& t : b.surface->triangles)
+      for (int node : t) outside[static_cast<size_t>(node)] = 1;
+  }
+  for (int i = 0; i < b.node_count; ++i)
+    if (outside[static_cast<size_t>(i)]) points->push_back({{{b.first_node + i, -1, -1}}, 1, body});
 }
 
 void add_between_points(const Model& model, int body, std::vector<ContactPoint>* points) {

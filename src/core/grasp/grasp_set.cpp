@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <utility>
 
+#include "deformable_sim/core/element/rod_frame.h"
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/core/grasp/selection.h"
+#include "deformable_sim/core/rod_frames.h"
 
 namespace deformable_sim {
 namespace {
@@ -53,8 +55,33 @@ void GraspSet::check_free(const std::vector<int>& nodes, const std::string& take
   }
 }
 
-std::vector<int> GraspSet::add(const GraspRequest& request, const Nodes& x) {
+Vec3 GraspSet::material_director(const Grasp& grasp, int segment, const State& s) const {
+  const Body& body = model_->bodies[static_cast<size_t>(grasp.body)];
+  return material_frame(*model_, body, s, segment - body.first_segment).col(0);
+}
+
+void GraspSet::find_segments(const State& s, Grasp* grasp) const {
+  const Body& body = model_->bodies[static_cast<size_t>(grasp->body)];
+  if (body.first_segment < 0 || grasp->request.points_only) return;
+  const auto held = [&](int node) {
+    return std::lower_bound(grasp->nodes.begin(), grasp->nodes.end(), body.first_node + node);
+  };
+  for (int k = 0; k < body.line->segment_count(); ++k) {
+    const auto [a, b] = body.line->segment(k);
+    const auto at_a = held(a), at_b = held(b);
+    if (at_a == grasp->nodes.end() || *at_a != body.first_node + a) continue;
+    if (at_b == grasp->nodes.end() || *at_b != body.first_node + b) continue;
+    const int segment = body.first_segment + k;
+    const Mat3 grasp_from_world = grasp->motion.pose().linear().transpose();
+    grasp->segments.push_back({segment, static_cast<size_t>(at_a - grasp->nodes.begin()),
+                               static_cast<size_t>(at_b - grasp->nodes.begin()),
+                               grasp_from_world * material_director(*grasp, segment, s), -1});
+  }
+}
+
+std::vector<int> GraspSet::add(const GraspRequest& request, const State& s) {
   check_request(request);
+  const Nodes& x = s.x;
   Grasp grasp;
   grasp.request = request;
   grasp.body = model_->find_body(request.body);
@@ -65,6 +92,7 @@ std::vector<int> GraspSet::add(const GraspRequest& request, const Nodes& x) {
   } catch (const InputError& e) {
     throw InputError("grasp '" + request.name + "': " + e.what(), e.code());
   }
+  if (request.stiffness == 0.0 && !request.points_only) taken = clamped_nodes(body, taken);
   for (int node : taken) grasp.nodes.push_back(body.first_node + node);
   check_free(grasp.nodes, request.name);
 
@@ -85,6 +113,8 @@ std::vector<int> GraspSet::add(const GraspRequest& request, const Nodes& x) {
     grasp.springs = std::make_unique<TargetSprings>(grasp.nodes, request.stiffness / static_cast<double>(count));
     grasp.springs->set_targets(held);
     grasp.targets = held;
+  } else {
+    find_segments(s, &grasp);
   }
   grasps_.erase(
       std::remove_if(grasps_.begin(), grasps_.end(), [&](const Grasp& g) { return g.request.name == request.name; }),
@@ -138,35 +168,47 @@ void GraspSet::release(const std::string& name) {
   grasps_.erase(grasps_.begin() + (g - grasps_.data()));
 }
 
-bool GraspSet::hold_in_place(int body, const Nodes& x) {
+bool GraspSet::hold_in_place(int body, const State& s) {
   bool moved = false;
   for (Grasp& g : grasps_) {
     if (g.body != body || g.springs) continue;
     const Pose grasp_from_world = g.motion.pose().inverse();
     for (Eigen::Index i = 0; i < g.local.cols(); ++i) {
-      const Vec3 now = x.col(g.nodes[static_cast<size_t>(i)]);
+      const Vec3 now = s.x.col(g.nodes[static_cast<size_t>(i)]);
       // A node that is where it was keeps its place to the last bit: a state read and set back changes nothing.
       if ((g.motion.pose() * Vec3(g.local.col(i)) - now).norm() < 1e-9) continue;
       g.local.col(i) = grasp_from_world * now;
       moved = true;
     }
     if (g.local.cols() > 0) g.lever = furthest(g.local);
+    for (HeldSegment& segment : g.segments) {
+      const Vec3 now = grasp_from_world.linear() * material_director(g, segment.segment, s);
+      if ((segment.director - now).norm() < 1e-9) continue;
+      segment.director = now;
+      moved = true;
+    }
   }
   return moved;
 }
 
 Kinematics GraspSet::kinematics() {
   Kinematics k;
-  for (const Grasp& g : grasps_)
-    if (!g.springs) k.node.insert(k.node.end(), g.nodes.begin(), g.nodes.end());
+  for (const Grasp& g : grasps_) {
+    if (g.springs) continue;
+    k.node.insert(k.node.end(), g.nodes.begin(), g.nodes.end());
+    for (const HeldSegment& segment : g.segments) k.node.push_back(angle_column(segment.segment));
+  }
   std::sort(k.node.begin(), k.node.end());
   k.target = Nodes::Zero(3, static_cast<Eigen::Index>(k.node.size()));
   k.reaction = k.target;
   for (Grasp& g : grasps_) {
     g.slot.clear();
     if (g.springs) continue;
-    for (int node : g.nodes)
-      g.slot.push_back(static_cast<int>(std::lower_bound(k.node.begin(), k.node.end(), node) - k.node.begin()));
+    const auto slot_of = [&k](int column) {
+      return static_cast<int>(std::lower_bound(k.node.begin(), k.node.end(), column) - k.node.begin());
+    };
+    for (int node : g.nodes) g.slot.push_back(slot_of(node));
+    for (HeldSegment& segment : g.segments) segment.slot = slot_of(angle_column(segment.segment));
   }
   return k;
 }
@@ -178,7 +220,7 @@ std::vector<TargetSprings*> GraspSet::springs() const {
   return springs;
 }
 
-void GraspSet::advance(double dt, Kinematics* kinematics) {
+void GraspSet::advance(double dt, const State& s, Kinematics* kinematics) {
   for (Grasp& g : grasps_) {
     if (g.phase == GraspPhase::kSlipped) continue;
     g.speed_limited = false;
@@ -190,6 +232,15 @@ void GraspSet::advance(double dt, Kinematics* kinematics) {
     } else {
       for (size_t i = 0; i < g.slot.size(); ++i)
         kinematics->target.col(g.slot[i]) = g.motion.pose() * Vec3(g.local.col(static_cast<Eigen::Index>(i)));
+      for (const HeldSegment& held : g.segments) {
+        const Vec3 edge = kinematics->target.col(g.slot[held.b]) - kinematics->target.col(g.slot[held.a]);
+        const Vec3 before = s.tangents.col(held.segment), tangent = RodSegment(edge, before).tangent;
+        const Vec3 reference = transported(s.directors.col(held.segment), before, tangent);
+        const double radius = model_->bodies[static_cast<size_t>(g.body)].radius_of_gyration;
+        const double now = s.x(0, angle_column(held.segment)) / radius;
+        const double angle = unwrapped(angle_about(tangent, reference, g.motion.pose().linear() * held.director), now);
+        kinematics->target.col(held.slot) = Vec3(radius * angle, 0.0, 0.0);
+      }
     }
   }
 }
@@ -213,6 +264,11 @@ void GraspSet::measure(const Kinematics& kinematics, const State& s, double frac
       g.force += fraction * force;
       g.torque += fraction * (x - origin).cross(force);
     }
+    for (const HeldSegment& held : g.segments) {
+      const double moment =
+          model_->bodies[static_cast<size_t>(g.body)].radius_of_gyration * kinematics.reaction(0, held.slot);
+      g.torque -= fraction * moment * s.tangents.col(held.segment);
+    }
   }
 }
 
@@ -226,6 +282,7 @@ bool GraspSet::slip_overloaded() {
     g.speed_limited = false;
     g.nodes.clear();
     g.slot.clear();
+    g.segments.clear();
     g.local.resize(3, 0);
     slipped = true;
   }

@@ -121,4 +121,15 @@ std::vector<int> select_nodes(const Body& body, const Nodes& x, const Selection&
   throw InputError("unknown selection method; allowed: nearest, radius, box, nodes, feature");
 }
 
+std::vector<int> clamped_nodes(const Body& body, const std::vector<int>& nodes) {
+  if (body.first_segment < 0 || body.line->closed || nodes.empty()) return nodes;
+  std::vector<int> clamped = nodes;
+  const int last = body.node_count - 1;
+  if (nodes.front() == 0) clamped.push_back(1);
+  if (nodes.back() == last) clamped.push_back(last - 1);
+  std::sort(clamped.begin(), clamped.end());
+  clamped.erase(std::unique(clamped.begin(), clamped.end()), clamped.end());
+  return clamped;
+}
+
 }  // namespace deformable_sim

@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 
 #include "deformable_sim/core/integrator/integrator.h"
+#include "deformable_sim/core/integrator/mass_factor.h"
 
 namespace deformable_sim {
 namespace {
@@ -15,22 +17,38 @@ constexpr int kMostSteps = 200;
 constexpr int kCheckEvery = 10;
 constexpr double kChange = 1e-4;  // of the eigenvalue between two checks
 
-/// M^(-1/2) K M^(-1/2) by central differences of the forces: no matrix has to exist.
+/// M^(-1/2) K M^(-1/2), or L^-1 K L^-T of a mass matrix L L^T, by central differences of the forces: no matrix of K has
+/// to exist.
 class MassScaledStiffness {
  public:
   MassScaledStiffness(const Dynamics& d, const State& s) : dynamics_(d), rest_(s), moved_(s) {
     root_ = d.mass->cwiseSqrt().cwiseInverse();
     for (int node : d.kinematics.node) root_[node] = 0.0;
+    if (d.mass_matrix != nullptr) {
+      mass_factor_ = std::make_unique<MassFactor>();
+      mass_factor_->prepare(*d.mass_matrix, d.kinematics.node);
+    }
     const double extent = (s.x.rowwise().maxCoeff() - s.x.rowwise().minCoeff()).norm();
     step_ = 1e-7 * (extent > 0.0 ? extent : 1.0);
   }
 
   Nodes times(const Nodes& q) {
-    const Nodes direction = q * root_.asDiagonal();
+    Nodes direction = q;
+    if (mass_factor_) {
+      mass_factor_->solve_upper(&direction);
+    } else {
+      direction *= root_.asDiagonal();
+    }
     const double scale = direction.cwiseAbs().maxCoeff();
     if (!(scale > 0.0)) return Nodes::Zero(3, q.cols());
     const double h = step_ / scale;
-    return ((force(-h, direction) - force(h, direction)) / (2.0 * h)) * root_.asDiagonal();
+    Nodes image = (force(-h, direction) - force(h, direction)) / (2.0 * h);
+    if (mass_factor_) {
+      mass_factor_->solve_lower(&image);
+    } else {
+      image *= root_.asDiagonal();
+    }
+    return image;
   }
 
   const Eigen::VectorXd& root() const { return root_; }
@@ -48,6 +66,7 @@ class MassScaledStiffness {
   State moved_;
   Eigen::VectorXd root_;  // m^(-1/2), 0 for held nodes
   double step_;           // m
+  std::unique_ptr<MassFactor> mass_factor_;
 };
 
 /// Fixed pseudo-random numbers in [-1, 1]: no direction is left out, and every call gives the same bits.

@@ -11,19 +11,24 @@ constexpr int kPushes = 4;            // sweeps of push_out()
 
 }  // namespace
 
-void PenaltyContacts::begin(double dt, const Nodes& start, const Nodes& x, const Eigen::VectorXd& inverse_mass,
+void PenaltyContacts::begin(const Span& span, const Nodes& start, const Nodes& x, const Eigen::VectorXd& inverse_mass,
                             const ContactConstraints& constraints) {
-  dt_ = dt;
+  dt_ = span.duration;
+  unit_ = span.unit;
   contacts_.clear();
   for (const ContactConstraint& plane : constraints) {
     Contact c;
     c.plane = plane;
+    if (span.remaining > 0.0) c.plane.offset -= span.remaining * plane.normal.dot(plane.surface_velocity);
     double compliance = 0.0;
     for (size_t k = 0; k < static_cast<size_t>(plane.count); ++k) {
       compliance += plane.weight[k] * plane.weight[k] * inverse_mass[plane.node[k]];
     }
-    if (compliance > 0.0) c.stiffness = kStiffness / (compliance * dt * dt);
-    c.reference = point(c, start) + dt * plane.surface_velocity;
+    if (compliance > 0.0) {
+      c.stiffness = kStiffness / (compliance * unit_ * unit_);
+      c.stick = c.stiffness * (unit_ / dt_);
+    }
+    c.reference = point(c, start) + dt_ * plane.surface_velocity;
     c.normal_force = std::max(0.0, -c.stiffness * gap(c, point(c, x)));
     contacts_.push_back(c);
   }
@@ -52,7 +57,7 @@ void PenaltyContacts::push_out(double depth, const Eigen::VectorXd& inverse_mass
       if (c.stiffness == 0.0) continue;
       const double excess = -depth - gap(c, point(c, *x));
       if (excess <= 0.0) continue;
-      const double per_compliance = excess * c.stiffness * dt_ * dt_ / kStiffness;
+      const double per_compliance = excess * c.stiffness * unit_ * unit_ / kStiffness;
       for (size_t k = 0; k < static_cast<size_t>(c.plane.count); ++k) {
         const int node = c.plane.node[k];
         x->col(node) += per_compliance * c.plane.weight[k] * inverse_mass[node] * c.plane.normal;
@@ -73,7 +78,7 @@ Vec3 PenaltyContacts::sliding(const Contact& c, const Vec3& p) {
 }
 
 double PenaltyContacts::stick_stiffness(const Contact& c) const {
-  return std::max(c.stiffness, c.plane.friction * c.normal_force / (kCreep * dt_));
+  return std::max(c.stick, c.plane.friction * c.normal_force / (kCreep * dt_));
 }
 
 Vec3 PenaltyContacts::force(const Contact& c, const Vec3& p) const {

@@ -13,8 +13,13 @@ struct Entry {
 constexpr Entry kEntries[] = {
     {"explicit_euler", [](const SolverSettings&) { return make_explicit_euler(); }},
     {"symplectic_euler", [](const SolverSettings&) { return make_symplectic_euler(); }},
+    {"velocity_verlet", [](const SolverSettings&) { return make_velocity_verlet(); }},
     {"rk4", [](const SolverSettings&) { return make_rk4(); }},
     {"implicit_euler", [](const SolverSettings& settings) { return make_implicit_euler(settings); }},
+    {"linear_implicit_euler", [](const SolverSettings& settings) { return make_linear_implicit_euler(settings); }},
+    {"implicit_midpoint", [](const SolverSettings& settings) { return make_implicit_midpoint(settings); }},
+    {"bdf2", [](const SolverSettings& settings) { return make_bdf2(settings); }},
+    {"tr_bdf2", [](const SolverSettings& settings) { return make_tr_bdf2(settings); }},
 };
 
 }  // namespace

@@ -42,6 +42,7 @@ class ConjugateGradient : public LinearSolver {
                      const LinearTolerance& tolerance, Nodes* x) override {
     load(a);
     LinearReport report;
+    definite_ = true;
     const double start = rms(b, weight);
     const double goal = std::max(tolerance.absolute, tolerance.relative * start);
     a.multiply(*x, &product_);
@@ -51,6 +52,7 @@ class ConjugateGradient : public LinearSolver {
       const double reduction = std::max(goal / norm * 0.9, kSinglePrecision);
       report.iterations += pass(a, weight, reduction, tolerance.iterations - report.iterations);
       *x += sum_.topRows<3>().cast<double>() * unit_;
+      report.definite = definite_;
       if (reduction > kSinglePrecision && report.iterations < tolerance.iterations) return report;
       a.multiply(*x, &product_);
       residual_ = b - product_;
@@ -126,6 +128,7 @@ class ConjugateGradient : public LinearSolver {
     for (int iteration = 1; iteration <= most; ++iteration) {
       precondition(a);
       const double rz_new = dot(r_, z_);
+      definite_ = definite_ && rz_new >= 0.0;
       if (!(rz_new > 0.0)) return iteration;
       if (iteration == 1) {
         p_ = z_;
@@ -135,6 +138,7 @@ class ConjugateGradient : public LinearSolver {
       rz = rz_new;
       multiply(a, p_, &ap_);
       const double curvature = dot(p_, ap_);
+      definite_ = definite_ && curvature > 0.0;
       if (!(curvature > 0.0)) return iteration;
       const auto alpha = static_cast<float>(rz / curvature);
       sum_ += alpha * p_;
@@ -156,6 +160,7 @@ class ConjugateGradient : public LinearSolver {
   PaddedNodes r_, z_, p_, ap_, t_, coarse_, work_, sum_;
   Nodes residual_, product_;
   double unit_ = 1.0;
+  bool definite_ = true;  // as far as this solve has seen
 };
 
 }  // namespace

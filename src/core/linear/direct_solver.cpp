@@ -19,6 +19,7 @@ class DirectSolver : public LinearSolver {
     factor_.factorize(matrix_);
     LinearReport report;
     report.solved = factor_.info() == Eigen::Success;
+    report.definite = report.solved && factor_.vectorD().minCoeff() > 0.0;
     x->resize(3, b.cols());
     if (!report.solved) {
       x->setZero();

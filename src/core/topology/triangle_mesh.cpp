@@ -151,6 +151,19 @@ std::vector<std::array<int, 4>> hinges_of(const TriangleMesh& mesh) {
   return hinges;
 }
 
+Nodes vertex_normals(const TriangleMesh& mesh, const Eigen::Ref<const Nodes>& x) {
+  Nodes normals = Nodes::Zero(3, x.cols());
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]), area = (b - a).cross(c - a);
+    for (const int node : t) normals.col(node) += area;
+  }
+  for (Eigen::Index i = 0; i < normals.cols(); ++i) {
+    const double length = normals.col(i).norm();
+    normals.col(i) = length > 0.0 ? Vec3(normals.col(i) / length) : Vec3(Vec3::UnitZ());
+  }
+  return normals;
+}
+
 void check_mesh(const TriangleMesh& mesh) {
   check_vertices(mesh);
   check_faces(mesh);

@@ -3,12 +3,19 @@
 
 #include <array>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "deformable_sim/core/energy/energy.h"
 
 namespace deformable_sim {
+
+/// Whether E has a type Memory, see below.
+template <class E, class = void>
+struct HasMemory : std::false_type {};
+template <class E>
+struct HasMemory<E, std::void_t<typename E::Memory>> : std::true_type {};
 
 /// One element type E over many sets of nodes.
 ///
@@ -18,14 +25,17 @@ namespace deformable_sim {
 /// and, when kPairwise (two points, dependence on differences d = x_b - x_a, w = v_b - v_a only, opposite forces),
 ///   energy(d, rest), force(d, w, rest) on point a, stiffness(d, w, rest, dx, dv, kind) = dx dF/dd + dv dF/dw;
 /// otherwise
-///   energy(x, rest), force(x, v, rest, context), and either, when kUniform,
+///   energy(x, rest) or energy(x, rest, context), force(x, v, rest, context), and either, when kUniform,
 ///     jacobian(x, v, rest, context, dx, dv) = dx df/dx + dv df/dv, exact, and
 ///     uniform_block(...), the one block that all pairs of points have in common in the projected Jacobian, or
 ///     jacobian(x, v, rest, context, dx, dv, kind), exact or projected.
+/// An E that reads what the state remembers beside time, x and v has a type Memory, memory(state, rest), and takes one
+/// as its last argument of energy and force and before dx of jacobian.
 template <class E>
 class ElementEnergy : public Energy {
  public:
   static constexpr size_t kPoints = static_cast<size_t>(E::kPoints);
+  using Points = Eigen::Matrix<double, 3, E::kPoints>;
   struct Element {
     std::array<int, kPoints> node;
     typename E::Rest rest;
@@ -38,12 +48,17 @@ class ElementEnergy : public Energy {
   int element_count() const override { return static_cast<int>(elements_.size()); }
 
   double value(const State& s) const override {
+    [[maybe_unused]] const typename E::Context context = E::context(parameters_, s.time);
     double sum = 0.0;
     for (const Element& e : elements_) {
       if constexpr (E::kPairwise) {
         sum += E::energy(s.x.col(e.node[1]) - s.x.col(e.node[0]), e.rest);
-      } else {
+      } else if constexpr (HasMemory<E>::value) {
+        sum += E::energy(gather(s.x, e), e.rest, E::memory(s, e.rest));
+      } else if constexpr (std::is_invocable_v<decltype(E::energy), Points, typename E::Rest>) {
         sum += E::energy(gather(s.x, e), e.rest);
+      } else {
+        sum += E::energy(gather(s.x, e), e.rest, context);
       }
     }
     return sum;
@@ -58,7 +73,13 @@ class ElementEnergy : public Energy {
         f->col(a) += force;
         f->col(b) -= force;
       } else {
-        const auto force = E::force(gather(s.x, e), gather(s.v, e), e.rest, context);
+        const auto force = [&] {
+          if constexpr (HasMemory<E>::value) {
+            return E::force(gather(s.x, e), gather(s.v, e), e.rest, context, E::memory(s, e.rest));
+          } else {
+            return E::force(gather(s.x, e), gather(s.v, e), e.rest, context);
+          }
+        }();
         for (size_t k = 0; k < kPoints; ++k) f->col(e.node[k]) += force.col(static_cast<Eigen::Index>(k));
       }
     }
@@ -103,6 +124,8 @@ class ElementEnergy : public Energy {
             continue;
           }
           subtract(E::jacobian(x, v, e.rest, context, dx, dv), slot, a);
+        } else if constexpr (HasMemory<E>::value) {
+          subtract(E::jacobian(x, v, e.rest, context, E::memory(s, e.rest), dx, dv, kind), slot, a);
         } else {
           subtract(E::jacobian(x, v, e.rest, context, dx, dv, kind), slot, a);
         }
@@ -121,8 +144,8 @@ class ElementEnergy : public Energy {
     }
   }
 
-  static Eigen::Matrix<double, 3, E::kPoints> gather(const Nodes& nodes, const Element& e) {
-    Eigen::Matrix<double, 3, E::kPoints> points;
+  static Points gather(const Nodes& nodes, const Element& e) {
+    Points points;
     for (size_t k = 0; k < kPoints; ++k) points.col(static_cast<Eigen::Index>(k)) = nodes.col(e.node[k]);
     return points;
   }

@@ -31,6 +31,7 @@ struct GraspRequest {
   double max_force = 0.0;    // N, slips off beyond; 0 = holds always
   double max_speed = 0.0;    // m/s; 0 = the scene's default
   double stiffness = 0.0;    // N/m per grasp; 0 = rigid
+  bool points_only = false;  // rods with twist: hold places only, a ball joint; otherwise an end is clamped
   std::string follow_frame;  // kept for reports; the ROS layer drives it
 };
 

@@ -13,4 +13,8 @@ namespace deformable_sim {
 /// (and which exist), invalid pose, radius or size.
 std::vector<int> select_nodes(const Body& body, const Nodes& x, const Selection& selection);
 
+/// What a rigid grasp of these nodes (body-local, ascending) holds: beside an end of an open rod with twist its
+/// neighbour as well, so that the direction of the end is held; all others as they are.
+std::vector<int> clamped_nodes(const Body& body, const std::vector<int>& nodes);
+
 }  // namespace deformable_sim

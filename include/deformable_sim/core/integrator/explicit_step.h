@@ -1,9 +1,11 @@
 // What explicit schemes share: accelerations, prescribed nodes, reactions and contacts.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "deformable_sim/core/integrator/integrator.h"
+#include "deformable_sim/core/integrator/mass_factor.h"
 
 namespace deformable_sim {
 
@@ -15,8 +17,9 @@ class ExplicitStep {
  public:
   /// Remembers the state at the start of the step.
   void begin(double dt, Dynamics* d, const State& s);
-  /// Accelerations (m/s^2) at `s`; zero for prescribed nodes.
-  void acceleration(const State& s, Nodes* a);
+  /// Accelerations (m/s^2) at `s`; zero for prescribed nodes. `weight` is the share of these forces in the step's
+  /// momentum, the shares of a step add up to 1: what holders feel is the mean over the step.
+  void acceleration(const State& s, double weight, Nodes* a);
   /// Puts prescribed nodes where they are after `fraction` of the step, and their velocity.
   void prescribe(double fraction, State* s) const;
   /// Contacts, reactions and the report. `drift` is the share of a velocity change in this step that also moves the
@@ -29,6 +32,7 @@ class ExplicitStep {
     double normal;  // accumulated impulse, N s
     Vec3 friction;  // accumulated impulse, N s
   };
+  void find_reactions(const State& s);
   void resolve_contacts(double drift, State* s);
   void resolve(const ContactConstraint& c, double drift, Contact* contact, State* s) const;
   void add_to_velocities(const ContactConstraint& c, const Vec3& impulse, State* s) const;
@@ -37,10 +41,11 @@ class ExplicitStep {
   double dt_ = 0.0;
   Dynamics* dynamics_ = nullptr;
   Nodes x0_, v0_;                 // of prescribed nodes, at the start
-  Nodes force_, start_force_;     // of all nodes; of prescribed nodes at the start of the step
+  Nodes force_, mean_force_;      // of all nodes; of prescribed nodes, mean over the step
   Eigen::VectorXd inverse_mass_;  // 0 for prescribed nodes
   std::vector<Contact> contacts_;
-  bool first_force_ = true;
+  std::unique_ptr<MassFactor> mass_factor_;  // only with a mass matrix
+  Nodes v_start_, prescribed_inertia_;       // of all nodes; only with a mass matrix
 };
 
 }  // namespace deformable_sim

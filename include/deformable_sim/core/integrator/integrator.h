@@ -15,7 +15,10 @@ namespace deformable_sim {
 /// The equations of motion of one step: M dv/dt = sum of energies' forces, subject to kinematics and contacts.
 struct Dynamics {
   const Eigen::VectorXd* mass = nullptr;  // n, kg, all > 0
-  std::vector<const Energy*> energies;    // includes gravity and soft grasps
+  /// n x n, kg, symmetric: a consistent mass matrix in place of the lumped masses, which then only weigh residuals and
+  /// share impulses. Its pattern is part of `pattern`. Null: lumped.
+  const Eigen::SparseMatrix<double>* mass_matrix = nullptr;
+  std::vector<const Energy*> energies;  // includes gravity and soft grasps
   Kinematics kinematics;
   ContactConstraints contacts;
   const BlockMatrix* pattern = nullptr;  // null for schemes that need no Jacobian
@@ -41,10 +44,15 @@ class Integrator {
   virtual ~Integrator() = default;
   virtual std::string name() const = 0;
   virtual Needs needs() const = 0;
-  /// Observed order of accuracy on a smooth problem.
+  /// Observed order of accuracy on a smooth problem. Contacts and the straight paths of prescribed nodes are met to the
+  /// first and second order at most.
   virtual int order() const = 0;
-  /// Largest stable omega_max * dt of an undamped oscillator; 0 = unstable at any step, infinity = no limit.
-  virtual double stability_limit() const = 0;
+  /// The same where forces depend on velocities.
+  virtual int order_with_velocity_forces() const { return order(); }
+  /// Largest stable omega * dt of an oscillator of frequency omega and damping ratio zeta >= 0; 0 = unstable at any
+  /// step, infinity = no limit.
+  virtual double stability_limit(double zeta) const = 0;
+  double stability_limit() const { return stability_limit(0.0); }
   /// Advances `s` by dt (s, > 0). Writes reactions and contact forces into `d`.
   virtual StepReport advance(double dt, Dynamics* d, State* s) = 0;
   /// Forgets anything cached about matrices (kinematic set or pattern changed by the caller in another world).
@@ -62,12 +70,18 @@ struct SolverSettings {
   Jacobian jacobian = Jacobian::kProjected;  // what Newton's matrix is made of: projected, or axial for comparison
 };
 
-/// By name: explicit_euler, symplectic_euler, rk4, implicit_euler. Throws InputError listing the names.
+/// By name: explicit_euler, symplectic_euler, velocity_verlet, rk4, implicit_euler, linear_implicit_euler,
+/// implicit_midpoint, bdf2, tr_bdf2. Throws InputError listing the names.
 std::unique_ptr<Integrator> make_integrator(const std::string& name, const SolverSettings& settings);
 std::vector<std::string> integrator_names();
 
 /// Highest natural frequency (rad/s) of M^-1 K at state `s`, K = -df/dx by central differences of the forces, so that
 /// no matrix has to exist; Lanczos' method. Kinematic nodes are held. Relative accuracy 0.1 % or better.
 double highest_frequency(const Dynamics& d, const State& s);
+
+/// Largest stable step (s) of an explicit scheme for a body of highest frequency omega (rad/s) and highest damping rate
+/// (1/s), which need not belong to the same motion: the smaller of the limit of an oscillator that has both and of a
+/// motion that is only damped. Schemes without any limit: infinity.
+double stable_step(const Integrator& integrator, double omega, double damping_rate);
 
 }  // namespace deformable_sim

@@ -13,12 +13,21 @@ namespace deformable_sim {
 ///   normal force    k max(0, -g),   k = 100 m / dt^2: the gap is a hundredth of what free motion would have made it
 ///   friction       -min(s, mu lambda / |u|) u,   s = max(k, mu lambda / (creep dt))
 ///
+/// In a stage that takes a part of the step, u is that of the part, and dt / part multiplies k in s, so that what
+/// sticks creeps at the same speed.
+///
 /// lambda is the normal force of an earlier Newton iterate, so that the forces of one iterate have a convex potential.
 class PenaltyContacts {
  public:
-  /// Start of a step: stiffnesses, and lambda of the contacts closed at x. inverse_mass is 0 for prescribed nodes;
-  /// `start` are the positions before the step, x the same with prescribed nodes at their targets.
-  void begin(double dt, const Nodes& start, const Nodes& x, const Eigen::VectorXd& inverse_mass,
+  /// A step, or a part of one that ends at a stage, s.
+  struct Span {
+    double duration;   // of the part
+    double remaining;  // from its end to the end of the step, where the planes of the constraints are
+    double unit;  // dt of the stiffness k: the same in all parts of a step, so that what rests does so at one depth
+  };
+  /// Stiffnesses, and lambda of the contacts closed at x. inverse_mass is 0 for prescribed nodes; `start` are the
+  /// positions before, x the same with prescribed nodes at their targets.
+  void begin(const Span& span, const Nodes& start, const Nodes& x, const Eigen::VectorXd& inverse_mass,
              const ContactConstraints& constraints);
   /// f += normal forces found by begin().
   void add_resting_force(Nodes* f) const;
@@ -41,6 +50,7 @@ class PenaltyContacts {
   struct Contact {
     ContactConstraint plane;
     double stiffness = 0.0;         // k, N/m; 0 when the point cannot move
+    double stick = 0.0;             // least s, N/m
     double normal_force = 0.0;      // lambda, N
     Vec3 reference = Vec3::Zero();  // where the point would be had it moved with the surface
     Vec3 sliding = Vec3::Zero();    // u at the last Jacobian
@@ -54,7 +64,7 @@ class PenaltyContacts {
   Vec3 force(const Contact& c, const Vec3& p) const;
   Mat3 jacobian(Contact* c, const Vec3& p) const;
 
-  double dt_ = 0.0;
+  double dt_ = 0.0, unit_ = 0.0;  // of the part, of the stiffness
   std::vector<Contact> contacts_;
 };
 

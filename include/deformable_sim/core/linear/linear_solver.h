@@ -8,8 +8,9 @@
 namespace deformable_sim {
 
 struct LinearReport {
-  int iterations = 0;  // 0 for a direct solver
-  bool solved = true;  // tolerance reached; direct: the factorisation exists
+  int iterations = 0;    // 0 for a direct solver
+  bool solved = true;    // tolerance reached; direct: the factorisation exists
+  bool definite = true;  // false: A was found not to be positive definite, x is of no use
 };
 
 /// When an iterative solver may stop: RMS over nodes of |r_i| * weight_i at or below max(absolute, relative * initial).

@@ -27,6 +27,10 @@ std::vector<std::array<int, 2>> edges_of(const TriangleMesh& mesh);
 /// Interior edges with their two opposite nodes: {edge_a, edge_b, opposite_1, opposite_2}.
 std::vector<std::array<int, 4>> hinges_of(const TriangleMesh& mesh);
 
+/// Unit normals of the nodes at x (3 x n, m): the faces around each, weighted by area, on the outer side. +z at a node
+/// whose faces cancel or vanish, for a drawing must not get NaN.
+Nodes vertex_normals(const TriangleMesh& mesh, const Eigen::Ref<const Nodes>& x);
+
 /// Throws InputError naming the offending face or edge: index out of range, repeated node, zero area, non-finite
 /// vertex, an edge shared by more than two faces, faces on one edge wound the same way, unused vertex.
 void check_mesh(const TriangleMesh& mesh);

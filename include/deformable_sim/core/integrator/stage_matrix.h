@@ -1,0 +1,55 @@
+// The linear system of an implicit stage: its matrix, which rows are held, and what a solver keeps from step to step.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "deformable_sim/core/integrator/integrator.h"
+#include "deformable_sim/core/linear/linear_solver.h"
+
+namespace deformable_sim {
+
+/// A = M / tau^2 - df/dx - (1 / tau) df/dv + contacts, one block row a node, rows and columns of prescribed nodes
+/// replaced by the identity.
+class StageMatrix {
+ public:
+  explicit StageMatrix(const SolverSettings& settings);
+  void reset() { pattern_ = nullptr; }
+  /// Start of a stage. A new pattern, tau (s), set of held nodes or of terms makes the kept parts stale.
+  void renew(const Dynamics& d, double tau);
+
+  /// A = M / tau^2. Rows of the nodes `near` belong to another tau; with a mass matrix M_ij / (tau_i tau_j).
+  void set_inertia(const std::vector<int>& near, double tau_near);
+  /// A -= dx df/dx + dv df/dv at `s`.
+  void add_forces(const State& s, double dx, double dv, Jacobian kind);
+  /// A = (A + A^T) / 2.
+  void make_symmetric();
+  void hold();
+  /// step = A^-1 b, zero at held nodes; adds to the report's costs.
+  LinearReport solve(const Nodes& b, const Eigen::VectorXd& weight, const LinearTolerance& tolerance, Nodes* step,
+                     StepReport* report);
+
+  BlockMatrix& blocks() { return matrix_; }
+  const std::vector<int>& held() const { return held_; }
+
+ private:
+  void find_held_slots();
+  void find_mass_slots();
+
+  std::unique_ptr<LinearSolver> solver_;
+  BlockMatrix matrix_;
+  double tau_ = 0.0;
+  const Dynamics* dynamics_ = nullptr;
+
+  // Kept from step to step.
+  const BlockMatrix* pattern_ = nullptr;
+  const Eigen::SparseMatrix<double>* mass_matrix_ = nullptr;
+  std::vector<int> held_, held_slots_;
+  std::vector<int> mass_slots_;  // of the mass matrix' entries, in its order
+  std::vector<double> share_;    // tau / tau_i of each node; only with a mass matrix
+  double prepared_tau_ = 0.0;
+  std::vector<const Energy*> prepared_energies_;
+  bool stale_ = true;
+};
+
+}  // namespace deformable_sim

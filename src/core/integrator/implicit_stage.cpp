@@ -1,0 +1,288 @@
+#include "deformable_sim/core/integrator/implicit_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "deformable_sim/core/integrator/cpu_time.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr double kEnough = 0.9;      // a step may turn p.r round by this much ...
+constexpr double kMostGrowth = 1.5;  // ... or leave this much of it
+constexpr double kInexact = 0.3;     // beyond this, the secant is tried
+constexpr double kFarthest = 4.0;    // of a secant, in units of the Newton step
+constexpr double kLeastLeft = 1.0 - 1.0 / kFarthest;
+constexpr int kHalvings = 8;            // of a Newton step, at most
+constexpr double kLinearShare = 0.3;    // of the Newton tolerance that the linear solve may leave
+constexpr double kAtRest = 1e-3;        // of the tolerance: below, a step may take no Newton iteration at all
+constexpr int kFrictionIterations = 5;  // Newton iterations in which friction follows the normal force
+constexpr double kDeep = 3e-4;          // m: while a contact point is deeper ...
+constexpr double kRough = 60.0;         // m/s^2: ... or the residual of a step with contacts larger, Newton goes on ...
+constexpr int kRoughShare = 2;          // ... for at most so many times the allowed iterations
+
+/// f += M a, columns are nodes.
+void add_product(const Eigen::SparseMatrix<double>& mass, const Nodes& a, Nodes* f) {
+  for (int j = 0; j < mass.outerSize(); ++j) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(mass, j); it; ++it) f->col(it.row()) += it.value() * a.col(j);
+  }
+}
+
+}  // namespace
+
+StepReport ImplicitStage::solve(const StageEquation& equation, const State& start, const Dynamics& d) {
+  StepReport report;
+  const double began = thread_cpu_time();
+  begin(equation, start, d);
+  report.residual = start_iteration();
+  report.seconds_assembly = thread_cpu_time() - began;
+  const double enough = settings_.tolerance;
+  report.converged = report.residual <= kAtRest * enough;
+  const int most = settings_.newton_iterations;
+  for (int k = 0; k < most || (k < kRoughShare * most && is_rough(report)); ++k) {
+    if (report.converged) break;
+    assemble(&report);
+    if (!solve_linear(&report)) break;
+    const double search = thread_cpu_time();
+    search_along_step();
+    if (!contacts_.empty() && k < kFrictionIterations) {
+      contacts_.update_normal_forces(trial_.x);
+      add_contacts();
+    }
+    report.seconds_assembly += thread_cpu_time() - search;
+    ++report.newton_iterations;
+    report.residual = unbalanced(residual_);
+    report.converged = report.residual <= enough;
+  }
+  if (!report.converged) contacts_.push_out(kDeep, inverse_mass_, &trial_.x);
+  find_velocities();
+  return report;
+}
+
+void ImplicitStage::begin(const StageEquation& equation, const State& start, const Dynamics& d) {
+  equation_ = equation;
+  tau_ = equation.tau;
+  dynamics_ = &d;
+  start_ = &start;
+  const Eigen::Index n = start.x.cols();
+  inverse_mass_ = d.mass->cwiseInverse();
+  for (int node : d.kinematics.node) inverse_mass_[node] = 0.0;
+  free_ = static_cast<double>(std::max<Eigen::Index>(1, n - static_cast<Eigen::Index>(d.kinematics.node.size())));
+  trial_.x = start.x;
+  trial_.time = start.time + equation.duration;
+  trial_.copy_frames(start);
+  for (size_t k = 0; k < d.kinematics.node.size(); ++k) {
+    const auto target = d.kinematics.target.col(static_cast<Eigen::Index>(k));
+    auto x = trial_.x.col(d.kinematics.node[k]);
+    if (equation.fraction == 1.0) {
+      x = target;
+    } else {
+      x += equation.fraction * (target - x);
+    }
+  }
+  step_.setZero(3, n);
+  matrix_.renew(d, tau_);
+  contacts_.begin(equation.contact_span(), start.x, trial_.x, inverse_mass_, d.contacts);
+  near_.clear();
+  if (!d.contacts.empty() && equation.duration != tau_) find_near_nodes();
+}
+
+void ImplicitStage::find_near_nodes() {
+  is_near_.assign(static_cast<size_t>(inverse_mass_.size()), 0);
+  for (const ContactConstraint& c : dynamics_->contacts) {
+    for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
+      char& mark = is_near_[static_cast<size_t>(c.node[k])];
+      if (mark != 0 || inverse_mass_[c.node[k]] == 0.0) continue;
+      mark = 1;
+      near_.push_back(c.node[k]);
+    }
+  }
+}
+
+/// Chooses where Newton starts and returns the residual there. The explicit step repeats the last acceleration, since
+/// that was f(x0, v0) / m: for smooth motion it is off by the third derivative only.
+double ImplicitStage::start_iteration() {
+  before_ = trial_.x;
+  if (equation_.start_force != nullptr) {
+    force_ = *equation_.start_force;
+  } else {
+    force_.setZero(3, start_->x.cols());
+    for (const Energy* energy : dynamics_->energies) energy->add_force(*start_, &force_);
+  }
+  if (linearised_) linearise(settings_.jacobian == Jacobian::kProjected ? Jacobian::kExact : settings_.jacobian);
+  guess();
+  for (int node : matrix_.held()) step_.col(node).setZero();
+  double moved = step_.squaredNorm();
+  const double near_share = std::pow(tau_ / equation_.duration, 4);
+  for (int node : near_) moved -= (1.0 - near_share) * step_.col(node).squaredNorm();
+  const double standing = std::sqrt(moved / free_) / (tau_ * tau_);
+  if (!contacts_.empty()) {
+    force_.setZero();
+    contacts_.add_resting_force(&force_);
+    step_ += force_ * (equation_.duration * equation_.duration * inverse_mass_).asDiagonal();
+  }
+  trial_.x = before_ + step_;
+  evaluate();
+  // Contacts are left out of the comparison: one Newton step puts them right from either start.
+  if (!(unbalanced(base_) <= standing)) {
+    trial_.x = before_;
+    evaluate();
+  }
+  return unbalanced(residual_);
+}
+
+/// step_: from the start to the explicit guess. In: force_ at the start.
+void ImplicitStage::guess() {
+  const double duration = equation_.duration;
+  if (equation_.more_force != nullptr) {
+    step_ = tau_ * *equation_.v_base + (force_ + *equation_.more_force) * (tau_ * tau_ * inverse_mass_).asDiagonal();
+  } else {
+    step_ = tau_ * *equation_.v_base + force_ * (tau_ * tau_ * inverse_mass_).asDiagonal();
+  }
+  if (equation_.x_base != &start_->x) step_ += *equation_.x_base - start_->x;
+  for (int node : near_) {
+    step_.col(node) = duration * start_->v.col(node) + (duration * duration * inverse_mass_[node]) * force_.col(node);
+  }
+}
+
+void ImplicitStage::find_velocities() {
+  trial_.v = (trial_.x - *equation_.x_base) / tau_;
+  for (int node : near_) trial_.v.col(node) = (trial_.x.col(node) - start_->x.col(node)) / equation_.duration;
+}
+
+/// Residual at trial_.x: base_ without contacts, residual_ with them and zero at held nodes.
+void ImplicitStage::evaluate() {
+  find_velocities();
+  if (linearised_) {
+    work_ = trial_.x - *equation_.x_base - tau_ * *equation_.v_base;
+    linear_.multiply(work_, &base_);
+    base_ -= linear_force_;
+    add_contacts();
+    return;
+  }
+  force_.setZero(3, trial_.x.cols());
+  for (const Energy* energy : dynamics_->energies) energy->add_force(trial_, &force_);
+  if (dynamics_->mass_matrix != nullptr) {
+    base_ = -force_;
+    if (equation_.more_force != nullptr) base_ -= *equation_.more_force;
+    for (int node : near_) base_.col(node) = -force_.col(node);
+    add_inertia();
+  } else {
+    base_ = (trial_.v - *equation_.v_base) * (*dynamics_->mass / tau_).asDiagonal() - force_;
+    if (equation_.more_force != nullptr) base_ -= *equation_.more_force;
+    for (int node : near_) {
+      base_.col(node) = ((*dynamics_->mass)[node] / equation_.duration) * (trial_.v.col(node) - start_->v.col(node)) -
+                        force_.col(node);
+    }
+  }
+  add_contacts();
+}
+
+/// base_ += M a, M the mass matrix.
+void ImplicitStage::add_inertia() {
+  work_ = (trial_.v - *equation_.v_base) / tau_;
+  for (int node : near_) {
+    work_.col(node) = (trial_.v.col(node) - start_->v.col(node)) / equation_.duration;
+  }
+  add_product(*dynamics_->mass_matrix, work_, &base_);
+}
+
+/// In: force_ = f(x0, v0). With x - x0 = tau v0 + y, v - v0 = y / tau the expansion gives
+///   (M / tau^2 - K - C / tau) y = f0 + tau K v0     [Baraff 1998, eq. 6].
+void ImplicitStage::linearise(Jacobian kind) {
+  linear_kind_ = kind;
+  BlockMatrix& a = matrix_.blocks();
+  a.set_zero();
+  matrix_.add_forces(*start_, 1.0, 0.0, kind);
+  a.multiply(start_->v, &work_);
+  linear_force_ = force_ - tau_ * work_;
+  matrix_.set_inertia(near_, equation_.duration);
+  matrix_.add_forces(*start_, 1.0, 1.0 / tau_, kind);
+  linear_ = a;
+  assembled_ = false;
+}
+
+void ImplicitStage::add_contacts() {
+  residual_ = -base_;
+  if (!contacts_.empty()) contacts_.add_force(trial_.x, &residual_);
+  for (int node : matrix_.held()) residual_.col(node).setZero();
+}
+
+/// Contacts not yet settled: stopping here would let points through or have friction drive them.
+bool ImplicitStage::is_rough(const StepReport& report) const {
+  return !contacts_.empty() && (report.residual > kRough || contacts_.any_deeper(kDeep, trial_.x));
+}
+
+/// RMS of r / m over the free nodes, m/s^2.
+double ImplicitStage::unbalanced(const Nodes& residual) const {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < residual.cols(); ++i) {
+    sum += residual.col(i).squaredNorm() * inverse_mass_[i] * inverse_mass_[i];
+  }
+  return std::sqrt(sum / free_);
+}
+
+void ImplicitStage::assemble(StepReport* report) {
+  if (linearised_ && assembled_ && contacts_.empty()) return;
+  const double start = thread_cpu_time();
+  if (linearised_) {
+    matrix_.blocks() = linear_;
+    if (linear_kind_ == Jacobian::kExact) matrix_.make_symmetric();
+    assembled_ = true;
+  } else {
+    matrix_.set_inertia(near_, equation_.duration);
+    matrix_.add_forces(trial_, 1.0, 1.0 / tau_, settings_.jacobian);
+  }
+  if (!contacts_.empty()) contacts_.add_jacobian(trial_.x, &matrix_.blocks());
+  matrix_.hold();
+  report->seconds_assembly += thread_cpu_time() - start;
+}
+
+/// step_ = A^-1 (-r). False when there is no solution to use.
+bool ImplicitStage::solve_linear(StepReport* report) {
+  LinearTolerance tolerance;
+  tolerance.relative = linearised_ ? 0.0 : settings_.linear_tolerance;
+  tolerance.iterations = settings_.linear_iterations;
+  tolerance.absolute = kLinearShare * settings_.tolerance;
+  const LinearReport linear = matrix_.solve(residual_, inverse_mass_, tolerance, &step_, report);
+  if (linearised_ && !linear.definite && linear_kind_ == Jacobian::kExact) {
+    force_.setZero(3, trial_.x.cols());
+    for (const Energy* energy : dynamics_->energies) energy->add_force(*start_, &force_);
+    linearise(Jacobian::kProjected);
+    evaluate();
+    assemble(report);
+    matrix_.solve(residual_, inverse_mass_, tolerance, &step_, report);
+  }
+  return step_.allFinite();
+}
+
+/// Moves trial_ along step_. No potential is needed, so drag and friction fit: the work p.r must not turn round by
+/// more than kEnough of what it was.
+void ImplicitStage::search_along_step() {
+  const double slope = step_.cwiseProduct(residual_).sum();
+  before_ = trial_.x;
+  double fraction = 1.0;
+  for (int k = 0; k <= kHalvings; ++k, fraction *= 0.5) {
+    trial_.x = before_ + fraction * step_;
+    evaluate();
+    if (unbalanced(residual_) <= settings_.tolerance) return;
+    const double ratio = step_.cwiseProduct(residual_).sum() / slope;
+    if (!(ratio >= -kEnough && ratio <= kMostGrowth)) continue;
+    if (std::abs(ratio) > kInexact) try_fraction(ratio < kLeastLeft ? fraction / (1.0 - ratio) : kFarthest * fraction);
+    return;
+  }
+}
+
+/// A slack sheet stiffens while it moves, so that full steps overshoot; a matrix stiffer than the forces falls short.
+/// The secant's zero of p.r is taken where it leaves a smaller residual.
+void ImplicitStage::try_fraction(double fraction) {
+  const double full = unbalanced(residual_);
+  other_ = trial_.x;
+  trial_.x = before_ + fraction * step_;
+  evaluate();
+  if (unbalanced(residual_) < full) return;
+  trial_.x = other_;
+  evaluate();
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,119 @@
+#include "deformable_sim/core/integrator/stage_matrix.h"
+
+#include <cassert>
+
+#include "deformable_sim/core/integrator/cpu_time.h"
+
+namespace deformable_sim {
+
+StageMatrix::StageMatrix(const SolverSettings& settings)
+    : solver_(settings.linear == SolverSettings::Linear::kDirect ? make_direct_solver()
+                                                                 : make_conjugate_gradient_solver()) {}
+
+void StageMatrix::renew(const Dynamics& d, double tau) {
+  dynamics_ = &d;
+  tau_ = tau;
+  if (pattern_ != d.pattern || matrix_.rows() != d.pattern->rows()) {
+    pattern_ = d.pattern;
+    matrix_ = *pattern_;
+    stale_ = true;
+    mass_matrix_ = nullptr;
+    held_.clear();
+    find_held_slots();
+  }
+  if (held_ != d.kinematics.node) {
+    find_held_slots();
+    stale_ = true;
+  }
+  if (mass_matrix_ != d.mass_matrix) find_mass_slots();
+  if (prepared_tau_ != tau_ || prepared_energies_ != d.energies) stale_ = true;
+}
+
+void StageMatrix::find_held_slots() {
+  held_ = dynamics_->kinematics.node;
+  held_slots_.clear();
+  for (int i : held_) {
+    for (int k = matrix_.row_start()[static_cast<size_t>(i)]; k < matrix_.row_start()[static_cast<size_t>(i) + 1];
+         ++k) {
+      held_slots_.push_back(k);
+      held_slots_.push_back(matrix_.slot(matrix_.column()[static_cast<size_t>(k)], i));
+    }
+  }
+}
+
+void StageMatrix::find_mass_slots() {
+  mass_matrix_ = dynamics_->mass_matrix;
+  stale_ = true;
+  mass_slots_.clear();
+  if (mass_matrix_ == nullptr) return;
+  for (int j = 0; j < mass_matrix_->outerSize(); ++j) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(*mass_matrix_, j); it; ++it) {
+      mass_slots_.push_back(matrix_.slot(static_cast<int>(it.row()), j));
+      assert(mass_slots_.back() >= 0);
+    }
+  }
+}
+
+void StageMatrix::set_inertia(const std::vector<int>& near, double tau_near) {
+  matrix_.set_zero();
+  if (mass_matrix_ != nullptr) {
+    share_.assign(static_cast<size_t>(matrix_.rows()), 1.0);
+    for (int i : near) share_[static_cast<size_t>(i)] = tau_ / tau_near;
+    const int* slot = mass_slots_.data();
+    for (int j = 0; j < mass_matrix_->outerSize(); ++j) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(*mass_matrix_, j); it; ++it) {
+        const double share = share_[static_cast<size_t>(it.row())] * share_[static_cast<size_t>(j)];
+        matrix_.block(*slot++).diagonal().setConstant(share * it.value() / (tau_ * tau_));
+      }
+    }
+    return;
+  }
+  for (int i = 0; i < matrix_.rows(); ++i) {
+    matrix_.block(matrix_.diagonal_slot(i)).diagonal().setConstant((*dynamics_->mass)[i] / (tau_ * tau_));
+  }
+  for (int i : near) {
+    matrix_.block(matrix_.diagonal_slot(i)).diagonal().setConstant((*dynamics_->mass)[i] / (tau_near * tau_near));
+  }
+}
+
+void StageMatrix::add_forces(const State& s, double dx, double dv, Jacobian kind) {
+  for (const Energy* energy : dynamics_->energies) energy->add_jacobian(s, dx, dv, kind, &matrix_);
+}
+
+void StageMatrix::make_symmetric() {
+  for (int i = 0; i < matrix_.rows(); ++i) {
+    for (int k = matrix_.row_start()[static_cast<size_t>(i)]; k < matrix_.row_start()[static_cast<size_t>(i) + 1];
+         ++k) {
+      const int j = matrix_.column()[static_cast<size_t>(k)];
+      if (j < i) continue;
+      const int mirror = matrix_.slot(j, i);
+      const Mat3 mean = 0.5 * (matrix_.block(k) + matrix_.block(mirror).transpose());
+      matrix_.block(k) = mean;
+      matrix_.block(mirror) = mean.transpose();
+    }
+  }
+}
+
+void StageMatrix::hold() {
+  for (int slot : held_slots_) matrix_.block(slot).setZero();
+  for (int node : held_) matrix_.block(matrix_.diagonal_slot(node)).setIdentity();
+}
+
+LinearReport StageMatrix::solve(const Nodes& b, const Eigen::VectorXd& weight, const LinearTolerance& tolerance,
+                                Nodes* step, StepReport* report) {
+  const double start = thread_cpu_time();
+  if (stale_) {
+    solver_->prepare(matrix_);
+    prepared_tau_ = tau_;
+    prepared_energies_ = dynamics_->energies;
+    stale_ = false;
+  }
+  step->setZero();
+  const LinearReport linear = solver_->solve(matrix_, b, weight, tolerance, step);
+  for (int node : held_) step->col(node).setZero();
+  report->linear_iterations += linear.iterations;
+  report->seconds_solve += thread_cpu_time() - start;
+  return linear;
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,124 @@
+// TR-BDF2: trapezoidal rule to t + gamma dt, then the second backward difference to t + dt [Bank 1985].
+//
+//   v_g = v + gamma dt / 2 (a + a_g)          a = M^-1 f(x, v) at the start: enters as a force that remains
+//   v_1 = c v_g - (c - 1) v + gamma dt / 2 a_1,   c = 1 / (gamma (2 - gamma)),   the same for x
+//
+// With gamma = 2 - sqrt(2) both stages have tau = gamma dt / 2, hence one matrix.
+#include <cmath>
+#include <limits>
+
+#include "deformable_sim/core/integrator/implicit_stage.h"
+#include "deformable_sim/core/integrator/mass_factor.h"
+#include "deformable_sim/core/integrator/schemes.h"
+#include "scheme_parts.h"
+
+namespace deformable_sim {
+namespace {
+
+const double kGamma = 2.0 - std::sqrt(2.0);
+const double kPast = 1.0 / (kGamma * (2.0 - kGamma));  // c
+// Weights of the forces at the start, the middle and the end.
+const double kOuterWeight = 0.25 * std::sqrt(2.0);
+const double kEndWeight = 0.5 * kGamma;
+
+void add(const StepReport& part, StepReport* sum) {
+  sum->converged = sum->converged && part.converged;
+  sum->newton_iterations += part.newton_iterations;
+  sum->linear_iterations += part.linear_iterations;
+  sum->residual = !(part.residual <= sum->residual) ? part.residual : sum->residual;  // keeps a NaN
+  sum->seconds_assembly += part.seconds_assembly;
+  sum->seconds_solve += part.seconds_solve;
+}
+
+class TrBdf2 : public Integrator {
+ public:
+  explicit TrBdf2(const SolverSettings& settings) : stage_(settings) {}
+
+  std::string name() const override { return "tr_bdf2"; }
+  Needs needs() const override { return {true}; }
+  int order() const override { return 2; }
+  double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
+  void reset() override { stage_.reset(); }
+
+  StepReport advance(double dt, Dynamics* d, State* s) override { return step_.advance(dt, &stage_, d, s); }
+
+ private:
+  ImplicitStage stage_;
+  TrBdf2Step step_;
+};
+
+}  // namespace
+
+StepReport TrBdf2Step::advance(double dt, ImplicitStage* stage, Dynamics* d, State* s) {
+  v_start_ = s->v;
+  if (d->mass_matrix != nullptr) {
+    prescribed_inertia_.setZero(3, s->x.cols());
+    add_prescribed_inertia(dt, *d->mass_matrix, d->kinematics, s->x, s->v, &prescribed_inertia_);
+  }
+  take_up_speed(dt, d->kinematics, s);
+  StepReport report = first_stage(dt, stage, d, s);
+  add(second_stage(dt, stage, d, *s), &report);
+  std::swap(s->x, stage->end().x);
+  std::swap(s->v, stage->end().v);
+  s->time += dt;
+  mean_force_ += kEndWeight * stage->force();
+  average_reactions(dt, v_start_, s->v, mean_force_, d);
+  report.converged = report.converged && s->finite();
+  return report;
+}
+
+StepReport TrBdf2Step::first_stage(double dt, ImplicitStage* stage, Dynamics* d, State* s) {
+  const double tau = 0.5 * kGamma * dt;
+  force_.setZero(3, s->x.cols());
+  for (const Energy* energy : d->energies) energy->add_force(*s, &force_);
+  x_base_ = s->x + tau * s->v;
+  StageEquation equation;
+  equation.tau = tau;
+  equation.x_base = &x_base_;
+  equation.v_base = &s->v;
+  equation.more_force = equation.start_force = &force_;
+  if (d->mass_matrix != nullptr) {
+    remaining_force_ = force_ + 2.0 * prescribed_inertia_;  // the start's share and this stage's own
+    equation.more_force = &remaining_force_;
+  }
+  equation.duration = kGamma * dt;
+  equation.contact_unit = dt;
+  equation.fraction = kGamma;
+  equation.remaining = dt - equation.duration;
+  const StepReport report = stage->solve(equation, *s, *d);
+  mean_force_ = kOuterWeight * (force_ + stage->force());
+  force_ = stage->force();
+  stage->report_contacts(&d->contacts);
+  contact_force_.clear();
+  for (const ContactConstraint& c : d->contacts) contact_force_.push_back(kGamma * c.force);
+  return report;
+}
+
+StepReport TrBdf2Step::second_stage(double dt, ImplicitStage* stage, Dynamics* d, const State& s) {
+  std::swap(middle_.x, stage->end().x);
+  std::swap(middle_.v, stage->end().v);
+  middle_.time = stage->end().time;
+  middle_.copy_frames(s);
+  x_base_ = middle_.x + (kPast - 1.0) * (middle_.x - s.x);
+  v_base_ = middle_.v + (kPast - 1.0) * (middle_.v - s.v);
+  StageEquation equation;
+  equation.tau = 0.5 * kGamma * dt;
+  equation.x_base = &x_base_;
+  equation.v_base = &v_base_;
+  equation.start_force = &force_;
+  if (d->mass_matrix != nullptr) equation.more_force = &prescribed_inertia_;
+  equation.duration = (1.0 - kGamma) * dt;
+  equation.contact_unit = dt;
+  const StepReport report = stage->solve(equation, middle_, *d);
+  stage->report_contacts(&d->contacts);
+  for (size_t i = 0; i < d->contacts.size(); ++i) {
+    d->contacts[i].force = contact_force_[i] + (1.0 - kGamma) * d->contacts[i].force;
+  }
+  return report;
+}
+
+std::unique_ptr<Integrator> make_tr_bdf2(const SolverSettings& settings) {
+  return std::make_unique<TrBdf2>(settings);
+}
+
+}  // namespace deformable_sim
