@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "deformable_sim/ros/shown_body.h"
+
 namespace deformable_sim {
 
 namespace {
@@ -38,17 +40,16 @@ void size(std::uint32_t height, std::uint32_t width, sensor_msgs::PointCloud2* c
   cloud->data.resize(static_cast<std::size_t>(height) * cloud->row_step);
 }
 
-/// Writes the nodes of one body; returns where the next one begins.
+/// Writes the points of one body; returns where the next one begins.
 std::uint8_t* write(const Snapshot& snapshot, std::uint32_t body_index, std::uint32_t step, std::uint8_t* out) {
   const Body& body = snapshot.model->bodies[body_index];
-  const Eigen::VectorXf strain = node_strain(body, snapshot.x);
-  Eigen::Matrix3Xf normals = Eigen::Matrix3Xf::Zero(3, body.node_count);
-  if (body.surface) normals = node_normals(body, snapshot.x);
-  for (int node = 0; node < body.node_count; ++node, out += step) {
+  const ShownColumns x = shown_positions(snapshot, body), v = shown_velocities(snapshot, body);
+  const Eigen::Matrix3Xf normals = shown_normals(snapshot, body, x);
+  const Eigen::VectorXf strain = shown_values(body, node_strain(body, snapshot.x));
+  for (int point = 0; point < x.cols(); ++point, out += step) {
     Eigen::Matrix<float, kFloats, 1> values;
-    values << snapshot.x.col(body.first_node + node).cast<float>(), normals.col(node),
-        snapshot.v.col(body.first_node + node).cast<float>(), strain[node];
-    const std::uint32_t tail[2] = {static_cast<std::uint32_t>(node), body_index};
+    values << x.col(point).cast<float>(), normals.col(point), v.col(point).cast<float>(), strain[point];
+    const std::uint32_t tail[2] = {static_cast<std::uint32_t>(shown_node(body, point)), body_index};
     std::memcpy(out, values.data(), 4 * kFloats);
     std::memcpy(out + 4 * kFloats, tail, step - 4 * kFloats);
   }
@@ -60,15 +61,18 @@ std::uint8_t* write(const Snapshot& snapshot, std::uint32_t body_index, std::uin
 sensor_msgs::PointCloud2 body_cloud(const Snapshot& snapshot, int body) {
   const Body& shape = snapshot.model->bodies[body];
   sensor_msgs::PointCloud2 cloud = empty_cloud(false);
-  const bool grid = shape.surface && shape.surface->is_grid();
-  size(grid ? shape.surface->rows : 1, grid ? shape.surface->cols : shape.node_count, &cloud);
+  const TriangleMesh* surface = shown_surface(shape);
+  const bool grid = surface && surface->is_grid();
+  size(grid ? surface->rows : 1, grid ? surface->cols : shown_count(shape), &cloud);
   write(snapshot, body, cloud.point_step, cloud.data.data());
   return cloud;
 }
 
 sensor_msgs::PointCloud2 world_cloud(const Snapshot& snapshot) {
   sensor_msgs::PointCloud2 cloud = empty_cloud(true);
-  size(1, snapshot.model->node_count(), &cloud);
+  int points = 0;
+  for (const Body& body : snapshot.model->bodies) points += shown_count(body);
+  size(1, points, &cloud);
   std::uint8_t* out = cloud.data.data();
   for (std::size_t body = 0; body < snapshot.model->bodies.size(); ++body) {
     out = write(snapshot, static_cast<std::uint32_t>(body), cloud.point_step, out);

@@ -220,6 +220,8 @@ void Services::set_state(const msg::SetStateRequest& request, msg::SetStateRespo
     command.body = state.body;
     command.x = to_nodes(state.positions, body, "state.positions");
     command.v = to_nodes(state.velocities, body, "state.velocities");
+    if (state.segments.size() % 6 != 0) throw InputError("state.segments: 6 numbers a segment, or none");
+    command.rod = Eigen::Map<const RodState>(state.segments.data(), 6, state.segments.size() / 6);
     return answer(simulation_->apply({command}));
   });
   fill(status, &response->status);

@@ -26,6 +26,18 @@ Reply refused(Code code, const std::string& message) {
   return reply;
 }
 
+const char* name_of(BodyKind kind) {
+  switch (kind) {
+    case BodyKind::kCloth:
+      return "cloth";
+    case BodyKind::kRope:
+      return "rope";
+    case BodyKind::kSoft:
+      return "soft";
+  }
+  return "";
+}
+
 }  // namespace
 
 /// Steps that somebody waits for.
@@ -341,8 +353,9 @@ std::string Simulation::description() const {
                              : "paused")
        << "\nreal-time factor: " << speed_.factor() << "\nsnapshots: " << outputs_.snapshot_count();
   for (const Body& body : world.model().bodies) {
-    text << "\nbody: " << body.name << " (" << (body.kind == BodyKind::kCloth ? "cloth" : "rope") << ", "
-         << body.node_count << " nodes)";
+    text << "\nbody: " << body.name << " (" << name_of(body.kind) << ", " << body.node_count << " nodes";
+    if (body.skin) text << ", shown by " << body.skin->vertex_count() << " points";
+    text << ")";
   }
   const Snapshot now = world.snapshot();
   for (const GraspReport& grasp : now.grasps) {

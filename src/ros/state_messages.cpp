@@ -30,6 +30,10 @@ msg::BodyState body_state_message(const Snapshot& snapshot, int body, const std:
   message.potential_energy = report.potential_energy;
   message.max_strain = report.max_strain;
   message.min_strain = report.min_strain;
+  if (shape.first_segment >= 0) {
+    const double* segments = snapshot.rods.data() + 6 * shape.first_segment;
+    message.segments.assign(segments, segments + 6 * shape.line->segment_count());
+  }
   message.contacts = static_cast<std::uint32_t>(std::max(0, report.contacts));
   return message;
 }

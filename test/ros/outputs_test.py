@@ -2,6 +2,7 @@
 """Every output: lazy, right, and stamped with the time of the state it shows."""
 
 import math
+import os
 import struct
 import unittest
 
@@ -49,6 +50,11 @@ class Outputs(unittest.TestCase):
         self.assertEqual(self.sim.load_scene(file=self.scene).status.code, Status.OK)
         wrench = '/deformable_sim/grasp/%s/wrench' % PIN
         wait_until(lambda: wrench in dict(rospy.get_published_topics()), wrench)
+
+    def load_shown(self):
+        """The scene beside this one whose bodies have skins, insides and frames."""
+        answer = self.sim.load_scene(file=os.path.join(os.path.dirname(self.scene), 'shown.yaml'))
+        self.assertEqual(answer.status.code, Status.OK, answer.status.message)
 
     def one(self, name, kind, condition=lambda message: True):
         listener = Listener(name if name[0] == '/' else self.sim.topic(name), kind)
@@ -185,6 +191,65 @@ class Outputs(unittest.TestCase):
         self.assertEqual(message.status[0].name, 'deformable_sim: simulation')
         self.assertEqual(message.status[0].level, DiagnosticStatus.OK)
         self.assertIn('max strain', [value.key for value in message.status[0].values])
+
+    def test_clouds_and_meshes_show_skins(self):
+        self.load_shown()
+        # fine: 4 x 3 nodes, upsampled by 4; every fourth point of every fourth row is a node.
+        cloud = self.one('fine/points', PointCloud2)
+        self.assertEqual((cloud.height, cloud.width), (9, 13))
+        state = self.sim.state('fine')
+        self.assertEqual(len(state.positions), 3 * 12)
+        for row, column in ((0, 0), (1, 2), (2, 3)):
+            values = struct.unpack_from('<10fI', cloud.data, (4 * row * 13 + 4 * column) * cloud.point_step)
+            numpy.testing.assert_allclose(values[0:3], node_position(state, 4 * row + column), atol=1e-6)
+            self.assertEqual(values[10], 4 * row + column)
+        # ball: the six corners of the surface, not the nodes of the lattice that carries it.
+        cloud = self.one('ball/points', PointCloud2)
+        self.assertEqual((cloud.height, cloud.width), (1, 6))
+        nodes = len(self.sim.state('ball').positions) // 3
+        self.assertGreater(nodes, 6)
+        corners = [struct.unpack_from('<10fI', cloud.data, i * cloud.point_step) for i in range(6)]
+        for corner in corners:
+            self.assertAlmostEqual(numpy.linalg.norm(numpy.array(corner[0:3]) - (2, 0, 0)), 0.1, delta=1e-6)
+            self.assertLess(corner[10], nodes)
+        for body, vertices, triangles in (('fine', 9 * 13, 2 * 8 * 12), ('ball', 6, 8)):
+            mesh = self.one(body + '/mesh', BodyMesh).mesh
+            self.assertEqual((len(mesh.vertices), len(mesh.triangles)), (vertices, triangles))
+
+    def test_rod_angles_are_no_points(self):
+        self.load_shown()
+        block = self.sim.state('block')
+        self.assertEqual(block.kind, BodyState.SOFT)
+        self.assertEqual(len(block.positions), 3 * 5 * 3 * 3)
+        cloud = self.one('points', PointCloud2)
+        self.assertEqual(cloud.width, 9 * 13 + 45 + 6 + 11)
+        last = struct.unpack_from('<10f2I', cloud.data, (cloud.width - 1) * cloud.point_step)
+        self.assertEqual(last[10:], (10, 3))
+        state = self.sim.state('spring')
+        self.assertEqual(len(state.positions), 3 * 11)
+        numpy.testing.assert_allclose(last[0:3], node_position(state, 10), atol=1e-6)
+
+    def test_markers_show_soft_bodies_and_frames(self):
+        self.load_shown()
+        markers = {m.ns: m for m in self.one('markers', MarkerArray, lambda m: 'body/spring' in {
+            k.ns for k in m.markers}).markers}
+        self.assertEqual(len(markers['body/fine'].points), 3 * 2 * 8 * 12)
+        self.assertEqual(len(markers['body/block'].points), 3 * 2 * 2 * (4 * 2 + 4 * 2 + 2 * 2))
+        self.assertEqual(len(markers['body/ball'].points), 3 * 8)
+        frames = markers['frames/spring']
+        self.assertEqual((frames.type, len(frames.points)), (Marker.LINE_LIST, 4 * 10))
+        self.assertEqual([name for name in markers if name.startswith('frames/')], ['frames/spring'])
+
+        def vector(i):
+            a, b = frames.points[i], frames.points[i + 1]
+            return numpy.array((b.x - a.x, b.y - a.y, b.z - a.z))
+
+        # Natural twist 2 pi / m: each of the 10 segments of 50 mm turns by 0.314 against the one before.
+        for segment in range(9):
+            first, second, after = vector(4 * segment), vector(4 * segment + 2), vector(4 * segment + 4)
+            size = numpy.linalg.norm(first)
+            self.assertAlmostEqual(numpy.dot(first, second) / size**2, 0.0, delta=1e-6)
+            self.assertAlmostEqual(numpy.dot(first, after) / size**2, math.cos(0.314), delta=1e-3)
 
     def test_subscribers_that_come_and_go_do_no_harm(self):
         for _ in range(20):

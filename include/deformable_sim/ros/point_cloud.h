@@ -7,11 +7,12 @@
 
 namespace deformable_sim {
 
-/// 44 B a node; organised (height = rows, width = columns) for a grid cloth, otherwise one row. Normals of a rope are
-/// zero.
+/// 44 B a point; organised (height = rows, width = columns) for a grid cloth, otherwise one row. The points are the
+/// nodes, or the vertices of the body's skin; `node` is the nearest node. Normals are zero for a rope and inside a soft
+/// body.
 sensor_msgs::PointCloud2 body_cloud(const Snapshot& snapshot, int body);
 
-/// All bodies in one row, 48 B a node: `node` counts in the body, `body` is its place in the scene.
+/// All bodies in one row, 48 B a point: `node` counts in the body, `body` is its place in the scene.
 sensor_msgs::PointCloud2 world_cloud(const Snapshot& snapshot);
 
 }  // namespace deformable_sim

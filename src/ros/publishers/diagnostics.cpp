@@ -46,7 +46,7 @@ class Diagnostics : public TopicsPublisher {
     status.add("max strain", max_strain);
     status.add("contacts", contacts);
     status.add("max penetration (m)", instant.snapshot.max_penetration);
-    status.add("nodes", instant.snapshot.model->node_count());
+    status.add("nodes", instant.snapshot.model->point_count());
     for (std::size_t i = 0; i < instant.warnings.size(); ++i) {
       status.add("warning " + std::to_string(i + 1), instant.warnings[i]);
     }

@@ -4,6 +4,7 @@
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/messages.h"
 #include "deformable_sim/ros/publishers/makers.h"
+#include "deformable_sim/ros/shown_body.h"
 
 namespace deformable_sim {
 
@@ -12,10 +13,11 @@ namespace {
 msg::BodyMesh mesh_message(const Body& body) {
   msg::BodyMesh message;
   message.body = body.name;
-  const Nodes& rest = body.surface ? body.surface->rest : body.line->rest;
-  for (int node = 0; node < rest.cols(); ++node) message.mesh.vertices.push_back(to_point(rest.col(node)));
-  if (!body.surface) return message;
-  for (const std::array<int, 3>& triangle : body.surface->triangles) {
+  const TriangleMesh* surface = shown_surface(body);
+  const Nodes& rest = surface ? surface->rest : body.line->rest;
+  for (int point = 0; point < rest.cols(); ++point) message.mesh.vertices.push_back(to_point(rest.col(point)));
+  if (!surface) return message;
+  for (const std::array<int, 3>& triangle : surface->triangles) {
     shape_msgs::MeshTriangle indices;
     for (int corner = 0; corner < 3; ++corner) indices.vertex_indices[corner] = triangle[corner];
     message.mesh.triangles.push_back(indices);
