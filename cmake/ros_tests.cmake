@@ -1,6 +1,6 @@
 # Tests of the ROS layer: parts without a master, then the node, each test with a master of its own.
 find_package(GTest REQUIRED)
-add_executable(ros_tests test/ros/pacer_test.cpp test/ros/request_queue_test.cpp)
+add_executable(ros_tests test/ros/drawing_test.cpp test/ros/pacer_test.cpp test/ros/request_queue_test.cpp)
 target_link_libraries(ros_tests PRIVATE ${PROJECT_NAME}_ros GTest::gtest GTest::gtest_main)
 add_test(NAME ros COMMAND ros_tests)
 

@@ -4,16 +4,12 @@
 #include <cmath>
 #include <map>
 
+#include "build_parts.h"
 #include "deformable_sim/core/energy/terms.h"
 #include "deformable_sim/core/grasp/selection.h"
-#include "deformable_sim/core/material/spring_network.h"
-#include "deformable_sim/scene/mesh_file.h"
-#include "features.h"
 
 namespace deformable_sim {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Soft, distinguishable colours for bodies that name none, by their order.
 constexpr std::array<std::array<double, 3>, 6> kPalette{{{{0.36, 0.61, 0.84}},
@@ -27,108 +23,101 @@ constexpr std::array<std::array<double, 3>, 6> kPalette{{{{0.36, 0.61, 0.84}},
   throw InputError(where.file + (where.line > 0 ? ":" + std::to_string(where.line) : "") + ": " + what, code);
 }
 
-/// What all bodies together add to the model, in world node indices.
-struct Parts {
-  std::vector<SpringLink> stretch, shear, bend;
-  std::vector<std::array<int, 3>> triangles;
-  struct Line {
-    std::vector<std::array<int, 2>> segments;
-    double diameter;
-  };
-  std::vector<Line> lines;
-  std::vector<Nodes> positions;
-  std::vector<Eigen::VectorXd> masses;
-  int node_count = 0;
-};
-
-void append_links(const std::vector<SpringLink>& links, int first_node, std::vector<SpringLink>* out) {
-  for (SpringLink link : links) {
-    link.a += first_node;
-    link.b += first_node;
-    out->push_back(link);
-  }
-}
-
-/// Springs, strain edges, masses and positions: what cloth and rope have in common.
-void add_network(const SpringNetwork& network, const Nodes& rest, const Pose& world_from_body,
-                 const Eigen::VectorXd& mass, Body* body, Parts* parts) {
-  append_links(network.stretch, body->first_node, &parts->stretch);
-  append_links(network.shear, body->first_node, &parts->shear);
-  append_links(network.bend, body->first_node, &parts->bend);
-  for (const SpringLink& link : network.stretch) {
-    body->strain_edges.push_back({{link.a + body->first_node, link.b + body->first_node}, link.rest_length});
-  }
-  body->node_count = static_cast<int>(rest.cols());
-  parts->positions.push_back((world_from_body.linear() * rest).colwise() + Vec3(world_from_body.translation()));
-  parts->masses.push_back(mass);
-  parts->node_count += body->node_count;
-}
-
-void add_cloth(const BodySpec& spec, Body* body, Parts* parts) {
-  const ClothMaterialSpec& material = spec.cloth_material;
-  const TriangleMesh mesh = spec.mesh.empty() ? make_grid(spec.size[0], spec.size[1], spec.cells[0], spec.cells[1])
-                                              : load_mesh(spec.mesh, spec.mesh_scale);
-  SheetStiffness stiffness;
-  stiffness.membrane = material.youngs_modulus * material.thickness;
-  stiffness.poissons_ratio = material.poissons_ratio;
-  stiffness.stretch = material.stretch_stiffness;
-  stiffness.shear = material.shear_stiffness;
-  stiffness.bend = material.bend_stiffness;
-  stiffness.damping_time = material.damping;
-  for (const std::array<int, 3>& t : mesh.triangles) {
-    parts->triangles.push_back({t[0] + body->first_node, t[1] + body->first_node, t[2] + body->first_node});
-  }
-  add_network(sheet_network(mesh, stiffness), mesh.rest, spec.pose.pose(), sheet_masses(mesh, material.areal_density),
-              body, parts);
-  body->contact_at_faces = spec.contact_at_faces;
-  body->contact_radius = spec.contact_radius.value_or(std::max(0.5 * material.thickness, kMinContactRadius));
-  body->features = sheet_features(mesh);
-  body->surface = std::make_shared<TriangleMesh>(mesh);
-}
-
-void add_rope(const BodySpec& spec, Body* body, Parts* parts) {
-  const RopeMaterialSpec& material = spec.rope_material;
-  const Polyline line = spec.closed ? make_ring(spec.length, spec.segments) : make_line(spec.length, spec.segments);
-  LineStiffness stiffness;
-  stiffness.axial = material.youngs_modulus * 0.25 * kPi * material.diameter * material.diameter;
-  stiffness.stretch = material.stretch_stiffness;
-  stiffness.bend = material.bend_stiffness;
-  stiffness.damping_time = material.damping;
-  Parts::Line segments{{}, material.diameter};
-  for (int s = 0; s < line.segment_count(); ++s) {
-    const std::array<int, 2> ends = line.segment(s);
-    segments.segments.push_back({ends[0] + body->first_node, ends[1] + body->first_node});
-  }
-  parts->lines.push_back(std::move(segments));
-  add_network(line_network(line, stiffness), line.rest, spec.pose.pose(), line_masses(line, material.linear_density),
-              body, parts);
-  // A chord between two nodes would cut a round collider deeper than a rope is thick.
-  body->contact_at_faces = true;
-  body->contact_radius = spec.contact_radius.value_or(std::max(0.5 * material.diameter, kMinContactRadius));
-  body->draw_radius = 0.5 * material.diameter;
-  body->features = line_features(line);
-  body->line = std::make_shared<Polyline>(line);
-}
-
 void add_air(const AirSpec& spec, const Parts& parts, Model* model) {
   if (spec.damping > 0.0) model->energies.push_back(make_mass_damping(model->mass, spec.damping));
   if (spec.drag_coefficient == 0.0 || spec.density == 0.0) return;
   const Air air{spec.density, spec.drag_coefficient, spec.wind, spec.gust_amplitude, spec.gust_frequency};
-  if (!parts.triangles.empty()) model->energies.push_back(make_sheet_drag(parts.triangles, air));
+  if (!parts.sheet_triangles.empty()) model->energies.push_back(make_sheet_drag(parts.sheet_triangles, air));
+  if (!parts.solid_triangles.empty()) {
+    // A sheet shows the air one face of an element where a solid shows two, in front and behind.
+    Air half = air;
+    half.drag_coefficient *= 0.5;
+    model->energies.push_back(make_sheet_drag(parts.solid_triangles, half));
+  }
   for (const Parts::Line& line : parts.lines) {
     model->energies.push_back(make_line_drag(line.segments, line.diameter, air));
   }
 }
 
 void gather_nodes(const Parts& parts, Model* model) {
-  model->mass.resize(parts.node_count);
-  model->initial.x.resize(3, parts.node_count);
-  model->initial.v = Nodes::Zero(3, parts.node_count);
+  for (const Parts::Rod& rod : parts.rods) model->angle_count += rod.line.segment_count();
+  const int count = parts.node_count + model->angle_count;
+  model->mass.resize(count);
+  model->initial.x = Nodes::Zero(3, count);
+  model->initial.v = Nodes::Zero(3, count);
   for (size_t b = 0; b < model->bodies.size(); ++b) {
     const Body& body = model->bodies[b];
     model->mass.segment(body.first_node, body.node_count) = parts.masses[b];
     model->initial.x.middleCols(body.first_node, body.node_count) = parts.positions[b];
   }
+}
+
+/// Terms, angles and frames of all rods, behind the points of all bodies.
+void add_rods(const SceneSpec& spec, const Parts& parts, Model* model) {
+  if (model->angle_count == 0) return;
+  State& state = model->initial;
+  state.directors.resize(3, model->angle_count);
+  state.tangents.resize(3, model->angle_count);
+  state.reference_twists.resize(model->angle_count);
+  int first_segment = 0;
+  for (const Parts::Rod& rod : parts.rods) {
+    Body& body = model->bodies[rod.body];
+    const int first_angle = parts.node_count + first_segment, count = rod.line.segment_count();
+    RodTerms terms;
+    try {
+      terms = make_rod(rod.line, rod.section, rod.rest, body.first_node, first_angle, first_segment);
+    } catch (const InputError& error) {
+      refuse_at(spec.bodies[rod.body].where, "bodies[" + std::to_string(rod.body) + "].rope: " + error.what(),
+                error.code());
+    }
+    for (auto& term : terms.energies) model->energies.push_back(std::move(term));
+    state.directors.middleCols(first_segment, count) = terms.directors;
+    state.tangents.middleCols(first_segment, count) = terms.tangents;
+    state.reference_twists.segment(first_segment, count) = terms.reference_twists;
+    for (int k = 0; k < count; ++k) {
+      const auto [a, b] = rod.line.segment(k);
+      const double turned = k * rod.initial_twist * (rod.line.rest.col(b) - rod.line.rest.col(a)).norm();
+      state.x(0, first_angle + k) = rod.section.radius_of_gyration * (terms.angles[k] + turned);
+    }
+    model->mass.segment(first_angle, count) = terms.angle_masses;
+    body.first_segment = first_segment;
+    first_segment += count;
+  }
+}
+
+/// Consistent masses where bodies have them, lumped ones elsewhere; nothing when all are lumped.
+void fill_mass_matrix(const Parts& parts, Model* model) {
+  if (parts.mass_entries.empty()) return;
+  std::vector<Eigen::Triplet<double>> entries = parts.mass_entries;
+  std::vector<char> consistent(static_cast<size_t>(model->node_count()), 0);
+  for (const Eigen::Triplet<double>& entry : entries) consistent[static_cast<size_t>(entry.row())] = 1;
+  for (int i = 0; i < model->node_count(); ++i) {
+    if (!consistent[static_cast<size_t>(i)]) entries.emplace_back(i, i, model->mass[i]);
+  }
+  model->mass_matrix.resize(model->node_count(), model->node_count());
+  model->mass_matrix.setFromTriplets(entries.begin(), entries.end());
+}
+
+/// Masses that have weight: those of points, not of angles.
+Eigen::VectorXd weights_of(const Model& model) {
+  Eigen::VectorXd mass = model.mass;
+  mass.tail(model.angle_count).setZero();
+  return mass;
+}
+
+void add_body(const BodySpec& spec, Body* body, Parts* parts) {
+  switch (spec.kind) {
+    case BodyKind::kCloth:
+      return add_cloth(spec, body, parts);
+    case BodyKind::kRope:
+      return add_rope(spec, body, parts);
+    case BodyKind::kSoft:
+      return add_soft(spec, body, parts);
+  }
+}
+
+const char* kind_name(BodyKind kind) {
+  return kind == BodyKind::kRope ? "rope" : kind == BodyKind::kSoft ? "soft" : "cloth";
 }
 
 GraspRequest pin(const std::string& body, const std::string& feature) {
@@ -151,10 +140,8 @@ std::vector<PlacedGrasp> all_grasps(const SceneSpec& spec) {
   std::vector<PlacedGrasp> grasps;
   for (size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodySpec& body = spec.bodies[b];
-    const char* kind = body.kind == BodyKind::kRope ? "].rope.pins" : "].cloth.pins";
-    for (const std::string& feature : body.pins) {
-      grasps.push_back({body.pins_where, "bodies[" + std::to_string(b) + kind, pin(body.name, feature)});
-    }
+    const std::string path = "bodies[" + std::to_string(b) + "]." + kind_name(body.kind) + ".pins";
+    for (const std::string& feature : body.pins) grasps.push_back({body.pins_where, path, pin(body.name, feature)});
   }
   for (size_t k = 0; k < spec.grasps.size(); ++k) {
     grasps.push_back({spec.grasps[k].where, "grasps[" + std::to_string(k) + "].select", spec.grasps[k].request});
@@ -173,6 +160,7 @@ void check_grasps(const std::vector<PlacedGrasp>& grasps, const Model& model) {
     std::vector<int> nodes;
     try {
       nodes = select_nodes(body, model.initial.x, grasp.request.selection);
+      if (grasp.request.stiffness == 0.0 && !grasp.request.points_only) nodes = clamped_nodes(body, nodes);
     } catch (const InputError& error) {
       refuse_at(grasp.where, who + error.what(), error.code());
     }
@@ -205,10 +193,14 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
     const std::array<double, 3> color = from.color.value_or(kPalette[b % kPalette.size()]);
     body.color = {color[0], color[1], color[2], 1.0};
     try {
-      (from.kind == BodyKind::kRope ? add_rope : add_cloth)(from, &body, &parts);
+      add_body(from, &body, &parts);
+      add_visual(from.visual, &body);
+    } catch (const PlacedError&) {
+      throw;
     } catch (const InputError& error) {
       const bool mesh = !from.mesh.empty();
-      const std::string path = "bodies[" + std::to_string(b) + "]" + (mesh ? ".cloth.mesh" : "");
+      const std::string path =
+          "bodies[" + std::to_string(b) + "]" + (mesh ? std::string(".") + kind_name(from.kind) + ".mesh" : "");
       refuse_at(mesh ? from.mesh_where : from.where, path + ": " + error.what(), error.code());
     }
     if (parts.node_count > kMaxNodes) {
@@ -221,10 +213,15 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
   }
   gather_nodes(parts, model.get());
   model->gravity = spec.gravity;
+  model->notes = std::move(parts.notes);
+  model->strain_limits = std::move(parts.strain_limits);
   if (!parts.stretch.empty()) model->energies.push_back(make_springs("stretch springs", parts.stretch, 0));
   if (!parts.shear.empty()) model->energies.push_back(make_springs("shear springs", parts.shear, 0));
   if (!parts.bend.empty()) model->energies.push_back(make_springs("bend springs", parts.bend, 0));
-  if (spec.gravity.squaredNorm() > 0.0) model->energies.push_back(make_gravity(model->mass, spec.gravity));
+  for (auto& term : parts.terms) model->energies.push_back(std::move(term));
+  add_rods(spec, parts, model.get());
+  fill_mass_matrix(parts, model.get());
+  if (spec.gravity.squaredNorm() > 0.0) model->energies.push_back(make_gravity(weights_of(*model), spec.gravity));
   add_air(spec.air, parts, model.get());
   return model;
 }

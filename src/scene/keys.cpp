@@ -23,42 +23,6 @@ void read_quaternion(const YamlValue& v, const std::string& path, PoseSpec* pose
   pose->orientation = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
 }
 
-void read_pins(const YamlValue& v, const std::string& path, BodySpec* body) {
-  for (const YamlValue& item : read_list(v, path, "features")) {
-    body->pins.push_back(read_text(item, path + "[" + std::to_string(body->pins.size()) + "]"));
-  }
-}
-
-void read_color(const YamlValue& v, const std::string& path, BodySpec* body) {
-  body->color.emplace();
-  read_vector(v, path, between(0, 1), body->color->data(), 3);
-}
-
-/// Keys that cloth and rope share, after those of their own.
-void add_common_keys(Table<BodySpec>* table) {
-  table->number("friction", "", &BodySpec::friction, kFriction,
-                "Coulomb coefficient; a contact takes the geometric mean of body and collider.");
-  table->optional_number("contact_radius", "m", &BodySpec::contact_radius, between(0.0001, 0.1),
-                         "half the thickness or diameter, at least " + format_number(kMinContactRadius),
-                         "Distance kept between the body's nodes and collider surfaces.");
-  table->add({"color", "[r, g, b]", "", "by order", "0 ... 1", "Colour in rviz."}, read_color);
-  table->add(
-      {"pins", "list of features", "", "[]", "features of the body",
-       "Features held where they start: each becomes a rigid grasp named pin_BODY_FEATURE, which can be moved and "
-       "released like any other."},
-      read_pins);
-}
-
-template <class T>
-Table<T>& add_shared_material_keys(Table<T>* table) {
-  table->optional_number("stretch_stiffness", "N/m", &T::stretch_stiffness, above(0, 1e9), "from youngs_modulus",
-                         "Stiffness of each structural spring; replaces youngs_modulus and depends on the mesh.");
-  table->optional_number("bend_stiffness", "N/m", &T::bend_stiffness, between(0, 1e9), "from the material",
-                         "Stiffness of each bend spring (over two cells or segments, or across an edge); 0 = none.");
-  table->number("damping", "s", &T::damping, between(0, 1), "Viscous coefficient of each spring over its stiffness.");
-  return *table;
-}
-
 }  // namespace
 
 Table<PoseSpec> pose_table() {
@@ -77,8 +41,10 @@ Table<AirSpec> air_table() {
   Table<AirSpec> t("air",
                    "Air around the bodies. Without drag_coefficient and damping there is no aerodynamic force at all.");
   t.number("density", "kg/m^3", &AirSpec::density, between(0, 2000), "Of the air (or water: 1000).");
-  t.number("drag_coefficient", "", &AirSpec::drag_coefficient, between(0, 10),
-           "Of a flat plate in normal flow (cloth), of a cylinder in cross flow (rope); 0 = none.");
+  t.number(
+      "drag_coefficient", "", &AirSpec::drag_coefficient, between(0, 10),
+      "Of a flat plate in normal flow (cloth), of a cylinder in cross flow (rope), of the frontal area (soft); 0 = "
+      "none.");
   t.vector("wind", "[x, y, z]", "m/s", &AirSpec::wind, between(-100, 100), "Mean wind; acts through the drag.");
   t.number("gust_amplitude", "", &AirSpec::gust_amplitude, between(0, 1),
            "The wind is scaled by 1 + gust_amplitude sin(2 pi gust_frequency time).");
@@ -89,7 +55,7 @@ Table<AirSpec> air_table() {
 }
 
 Table<StepSpec> step_table() {
-  Table<StepSpec> t("step", "Time stepping. The last five keys are for implicit schemes.");
+  Table<StepSpec> t("step", "Time stepping. The last six keys are for implicit schemes.");
   t.number("dt", "s", &StepSpec::dt, between(1e-6, 0.1), "One step of simulated time.");
   t.choice("integrator", &StepSpec::integrator, integrator_names(), "Time scheme.");
   t.add(
@@ -110,76 +76,13 @@ Table<StepSpec> step_table() {
   t.integer(
       "linear_iterations", [](StepSpec& s) -> int& { return s.solver.linear_iterations; }, 1, 100000,
       "At most, per linear solve (cg).");
-  return t;
-}
-
-Table<ClothMaterialSpec> cloth_material_table() {
-  using M = ClothMaterialSpec;
-  Table<M> t("bodies[].cloth.material", "Sheet material, as measured on the textile.");
-  t.number("areal_density", "kg/m^2", &M::areal_density, between(1e-4, 1000), "Mass per area.");
-  t.number("thickness", "m", &M::thickness, between(1e-6, 0.1), "With youngs_modulus it gives the membrane stiffness.");
-  t.number("youngs_modulus", "Pa", &M::youngs_modulus, between(1, 1e12), "In the plane, along warp and weft.");
-  t.number("poissons_ratio", "", &M::poissons_ratio, between(0, 0.5),
-           "Grids only: a triangle mesh of springs has 1/3, and refuses this key.");
-  t.optional_number("shear_stiffness", "N/m", &M::shear_stiffness, between(0, 1e9), "from poissons_ratio",
-                    "Stiffness of each shear spring (grids only); 0 = none.");
-  add_shared_material_keys(&t);
-  return t;
-}
-
-Table<RopeMaterialSpec> rope_material_table() {
-  using M = RopeMaterialSpec;
-  Table<M> t("bodies[].rope.material", "Rope material.");
-  t.number("linear_density", "kg/m", &M::linear_density, between(1e-6, 1000), "Mass per length.");
-  t.number("diameter", "m", &M::diameter, between(1e-5, 0.5), "Of the round cross-section.");
-  t.number("youngs_modulus", "Pa", &M::youngs_modulus, between(1, 1e12), "Along the rope.");
-  add_shared_material_keys(&t);
-  return t;
-}
-
-Table<BodySpec> cloth_table() {
-  Table<BodySpec> t("bodies[].cloth",
-                    "A sheet: a grid in the x-y plane of its pose, centred on it, or any triangle mesh.");
-  t.name("name", &BodySpec::name, "Unique; part of topic names.");
-  t.map("pose", &BodySpec::pose, pose_table(), "World from body. See pose.");
-  t.vector("size", "[x, y]", "m", &BodySpec::size, between(0.001, 100), "Edge lengths of a grid.");
-  t.add({"cells", "[nx, ny]", "", "[20, 20]", "1 ... 2000", "Cells of a grid along x and y: one node more each way."},
-        [](const YamlValue& v, const std::string& path, BodySpec* body) {
-          const std::vector<YamlValue>& items = read_list(v, path, "2 whole numbers");
-          if (items.size() != 2)
-            refuse(v, path, "must be a list of 2 whole numbers, not of " + std::to_string(items.size()));
-          for (size_t k = 0; k < 2; ++k)
-            body->cells[k] = read_integer(items[k], path + "[" + std::to_string(k) + "]", 1, 2000);
+  t.add({"jacobian", "word", "", "projected", "projected, axial",
+         "What the matrix of springs is made of: all but what makes it indefinite, or the part along the spring alone, "
+         "as often published; for comparison."},
+        [](const YamlValue& v, const std::string& path, StepSpec* out) {
+          const bool axial = read_choice(v, path, {"projected", "axial"}) == "axial";
+          out->solver.jacobian = axial ? Jacobian::kAxial : Jacobian::kProjected;
         });
-  t.text("mesh", &BodySpec::mesh,
-         "OBJ, STL, PLY or DAE file instead of a grid: relative to the scene file, absolute, or "
-         "package://deformable_sim/... Polygons are cut into triangles; vertices at the same place are one node; nodes "
-         "are numbered as the faces first name them. Axes are taken as they stand in the file.");
-  t.number("mesh_scale", "m", &BodySpec::mesh_scale, between(1e-6, 1000),
-           "Metres per unit of the file (a DAE file's own unit is applied first).");
-  t.map("material", &BodySpec::cloth_material, cloth_material_table(), "See bodies[].cloth.material.");
-  t.add({"contact_points", "word", "", "nodes", "nodes, faces",
-         "What is held off colliders: nodes, or nodes and face centroids (for coarse cloth on small or sharp "
-         "colliders)."},
-        [](const YamlValue& v, const std::string& path, BodySpec* body) {
-          body->contact_at_faces = read_choice(v, path, {"nodes", "faces"}) == "faces";
-        });
-  add_common_keys(&t);
-  t.at_most_one_of({"mesh", "cells"}).at_most_one_of({"mesh", "size"});
-  return t;
-}
-
-Table<BodySpec> rope_table() {
-  Table<BodySpec> t("bodies[].rope",
-                    "A chain along x of its pose, centred on it; closed: a regular polygon in its x-y plane.");
-  t.name("name", &BodySpec::name, "Unique; part of topic names.");
-  t.map("pose", &BodySpec::pose, pose_table(), "World from body. See pose.");
-  t.number("length", "m", &BodySpec::length, between(0.001, 1000), "Rest length; the perimeter of a loop.");
-  t.integer("segments", &BodySpec::segments, 1, 100000,
-            "One node more than segments; as many when closed (at least 3).");
-  t.boolean("closed", &BodySpec::closed, "A loop.");
-  t.map("material", &BodySpec::rope_material, rope_material_table(), "See bodies[].rope.material.");
-  add_common_keys(&t);
   return t;
 }
 
@@ -210,8 +113,10 @@ std::vector<TaggedTable> collider_tables() {
 Table<SelectText> select_table() {
   using S = SelectText;
   Table<S> t("grasps[].select", "Which nodes are grasped.");
-  t.text("feature", &S::feature,
-         "A feature of the body: grid corner_0..3, edge_0..3, center; rope end_0, end_1, center; mesh center.");
+  t.text(
+      "feature", &S::feature,
+      "A feature of the body: grid corner_0..3, edge_0..3, center; rope end_0, end_1, center; cloth mesh center; soft "
+      "face_x0, face_x1, face_y0 ... face_z1, center, and of a box corner_0..7.");
   t.add({"nodes", "list of integers", "", "", "nodes of the body", "Node numbers."},
         [](const YamlValue& v, const std::string& path, S* out) {
           for (const YamlValue& item : read_list(v, path, "node numbers")) {
@@ -285,9 +190,12 @@ Table<OutputSpec> output_table() {
   t.number("rate_markers", "Hz", &OutputSpec::rate_markers, kRate, "0 = never.");
   t.number("rate_points", "Hz", &OutputSpec::rate_points, kRate, "0 = never.");
   t.number("rate_state", "Hz", &OutputSpec::rate_state, kRate, "0 = never.");
-  t.choice("color_by", &OutputSpec::color_by, {"body", "strain", "velocity", "contact"}, "What the colour shows.");
+  t.choice("color_by", &OutputSpec::color_by, {"body", "strain", "stress", "velocity", "contact"},
+           "What the colour shows; stress: of membranes and soft bodies.");
   t.number("strain_range", "", &OutputSpec::strain_range, above(0, 10), "Strain shown as full colour.");
+  t.number("stress_range", "Pa", &OutputSpec::stress_range, above(0, 1e12), "Stress shown as full colour.");
   t.boolean("wireframe", &OutputSpec::wireframe, "Also draw the edges.");
+  t.boolean("frames", &OutputSpec::frames, "Also draw the frames of rods.");
   return t;
 }
 
@@ -298,7 +206,8 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
   t.map("air", &SceneSpec::air, air_table(), "See air.");
   t.map("step", &SceneSpec::step, step_table(), "See step.");
   t.number("grasp_max_speed", "m/s", &SceneSpec::grasp_max_speed, above(0, 100), "For grasps that name no max_speed.");
-  t.add({"bodies", "list", "", "", "at least one", "Each a map with one key: `- cloth: {...}` or `- rope: {...}`."},
+  t.add({"bodies", "list", "", "", "at least one",
+         "Each a map with one key: `- cloth: {...}`, `- rope: {...}` or `- soft: {...}`."},
         lists.bodies)
       .required();
   t.add({"colliders", "list", "", "[]", "", "Each a map with one key: box, sphere, cylinder, capsule or plane."},

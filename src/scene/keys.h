@@ -1,4 +1,5 @@
-// The tables of all scene keys. Adding a key: a field in spec.h and one line in keys.cpp.
+// The tables of all scene keys. Adding a key: a field in spec.h and one line in keys.cpp, cloth_keys.cpp,
+// rope_keys.cpp or soft_keys.cpp.
 #pragma once
 
 #include <string>
@@ -46,10 +47,17 @@ struct TaggedTable {
 Table<PoseSpec> pose_table();
 Table<AirSpec> air_table();
 Table<StepSpec> step_table();
+Table<CreaseSpec> crease_table();
 Table<ClothMaterialSpec> cloth_material_table();
 Table<RopeMaterialSpec> rope_material_table();
+Table<SoftModelSpec> box_table();
+Table<SoftModelSpec> lattice_table();
+Table<SoftMaterialSpec> soft_material_table();
+/// Of cloth or soft bodies.
+Table<BodySpec> visual_table(BodyKind kind);
 Table<BodySpec> cloth_table();
 Table<BodySpec> rope_table();
+Table<BodySpec> soft_table();
 std::vector<TaggedTable> collider_tables();
 Table<SelectText> select_table();
 Table<GraspText> grasp_table();

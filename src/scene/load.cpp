@@ -4,9 +4,10 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <set>
 #include <sstream>
 
+#include "body_rules.h"
+#include "build_parts.h"
 #include "features.h"
 #include "keys.h"
 
@@ -45,44 +46,55 @@ class SceneReader {
  private:
   void read_bodies(const YamlValue& list, const std::string& path, SceneSpec* scene) {
     const std::vector<YamlValue>& items = read_list(list, path, "bodies");
-    if (items.empty()) refuse(list, path, "must hold at least one body: cloth or rope");
+    if (items.empty()) refuse(list, path, "must hold at least one body: cloth, rope or soft");
     double nodes = 0.0;
     for (size_t k = 0; k < items.size(); ++k) {
-      const YamlValue& entry = read_tagged(items[k], indexed(path, k), {"cloth", "rope"});
+      const YamlValue& entry = read_tagged(items[k], indexed(path, k), {"cloth", "rope", "soft"});
       const std::string entry_path = indexed(path, k) + "." + entry.key;
       BodySpec body;
       body.where = location_of(items[k]);
-      body.kind = entry.key == "rope" ? BodyKind::kRope : BodyKind::kCloth;
-      (body.kind == BodyKind::kRope ? rope_table() : cloth_table()).read(entry, entry_path, &body);
+      read_body(entry, entry_path, &body);
       check_unique(entry, entry_path, body.name, &body_names_);
       check_body(entry, entry_path, body);
       if (!body.pins.empty()) body.pins_where = location_of(*entry.find("pins"));
       if (!body.mesh.empty()) body.mesh_where = location_of(*entry.find("mesh"));
-      nodes += body.kind == BodyKind::kRope ? body.segments + 1.0
-               : body.mesh.empty()          ? (body.cells[0] + 1.0) * (body.cells[1] + 1.0)
-                                            : 0.0;
+      nodes += expected_nodes(body);
       if (nodes > kMaxNodes) {
         refuse(entry, entry_path,
                format_number(nodes) + " nodes so far; at most " + std::to_string(kMaxNodes) + " in a scene",
                Code::kOutOfRange);
       }
-      if (!body.mesh.empty()) body.mesh = resolve_mesh(body.mesh, scene_file_);
+      for (std::string* file : {&body.mesh, &body.visual.mesh}) {
+        if (!file->empty()) *file = resolve_mesh(*file, scene_file_);
+      }
       scene->bodies.push_back(std::move(body));
     }
   }
 
-  void check_body(const YamlValue& entry, const std::string& path, const BodySpec& body) {
-    if (body.closed && body.segments < 3) {
-      refuse(*entry.find("closed"), path + ".closed", "a loop needs at least 3 segments");
+  static void read_body(const YamlValue& entry, const std::string& path, BodySpec* body) {
+    if (entry.key == "rope") {
+      body->kind = BodyKind::kRope;
+      rope_table().read(entry, path, body);
+    } else if (entry.key == "soft") {
+      body->kind = BodyKind::kSoft;
+      soft_table().read(entry, path, body);
+      choose_springs_ratio(entry, body);
+    } else {
+      body->kind = BodyKind::kCloth;
+      cloth_table().read(entry, path, body);
     }
+  }
+
+  /// Where nothing asks for a Poisson's ratio, springs have their own.
+  static void choose_springs_ratio(const YamlValue& entry, BodySpec* body) {
     const YamlValue* material = entry.find("material");
-    if (!body.mesh.empty() && material) {
-      for (const char* key : {"shear_stiffness", "poissons_ratio"}) {
-        const YamlValue* value = material->find(key);
-        if (value)
-          refuse(*value, path + ".material." + key, "is for grids; a triangle mesh of springs has a ratio of 1/3");
-      }
-    }
+    const bool given = !body->soft.material.name.empty() || (material && material->find("poissons_ratio"));
+    if (given || element_of(body->soft) != SoftElement::kSprings) return;
+    body->soft.material.poissons_ratio = body->soft.neighbours == 6 ? 0.0 : 0.25;
+  }
+
+  void check_body(const YamlValue& entry, const std::string& path, const BodySpec& body) {
+    check_body_keys(entry, path, body);
     const std::vector<std::string> features = feature_names(body);
     for (size_t k = 0; k < body.pins.size(); ++k) {
       const YamlValue& pin = entry.find("pins")->items[k];

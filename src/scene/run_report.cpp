@@ -99,6 +99,7 @@ std::string run_summary(const RunReport& report) {
                  grasp.force.z(), grasp.torque.x(), grasp.torque.y(), grasp.torque.z()) +
             phase_name(grasp.phase) + "\n";
   }
+  for (const std::string& warning : s.warnings) text += "warning     " + warning + "\n";
   for (const BillItem& item : report.bill) {
     text += "bill        " + item.part + ": " + item.detail + line(", %.1f %%\n", 100 * item.share);
   }
@@ -107,7 +108,7 @@ std::string run_summary(const RunReport& report) {
 
 std::string run_json(const RunReport& report) {
   const Snapshot& s = report.last;
-  std::string bodies, grasps, bill;
+  std::string bodies, grasps, warnings, bill;
   for (size_t b = 0; b < s.bodies.size(); ++b) {
     bodies += (b ? ", " : "") + member(s.model->bodies[b].name, body_json(s, b));
   }
@@ -117,6 +118,7 @@ std::string run_json(const RunReport& report) {
                                                        member("torque", vector(grasp.torque)) + ", " +
                                                        member("state", quoted(phase_name(grasp.phase))) + "}");
   }
+  for (size_t k = 0; k < s.warnings.size(); ++k) warnings += (k ? ", " : "") + quoted(s.warnings[k]);
   for (size_t k = 0; k < report.bill.size(); ++k) {
     const BillItem& item = report.bill[k];
     bill += (k ? ", " : "") + ("{" + member("part", quoted(item.part)) + ", " + member("detail", quoted(item.detail)) +
@@ -130,7 +132,8 @@ std::string run_json(const RunReport& report) {
          member("real_time_factor", number(report.real_time_factor())) + ", " + member("bodies", "{" + bodies + "}") +
          ", " + member("grasps", "{" + grasps + "}") + ", " +
          member("max_penetration", number(report.max_penetration)) + ", " +
-         member("max_strain", number(report.max_strain)) + ", " + member("bill", "[" + bill + "]") + "}";
+         member("max_strain", number(report.max_strain)) + ", " + member("warnings", "[" + warnings + "]") + ", " +
+         member("bill", "[" + bill + "]") + "}";
 }
 
 }  // namespace deformable_sim

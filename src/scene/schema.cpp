@@ -91,6 +91,20 @@ std::string Range::text() const {
               : format_number(low) + " ... " + format_number(high);
 }
 
+std::vector<std::string> nearest_words(const std::string& word, const std::vector<std::string>& words, size_t count) {
+  if (word.empty() || word.size() > 60) return {};
+  std::vector<std::pair<int, std::string>> ranked;
+  for (const std::string& candidate : words) {
+    const bool contained = candidate.find(word) != std::string::npos || word.find(candidate) != std::string::npos;
+    const int distance = contained ? 0 : edit_distance(word, candidate);
+    if (distance <= std::max(2, static_cast<int>(word.size()) / 3)) ranked.emplace_back(distance, candidate);
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> near;
+  for (size_t k = 0; k < std::min(count, ranked.size()); ++k) near.push_back(ranked[k].second);
+  return near;
+}
+
 std::string format_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
@@ -185,6 +199,14 @@ void read_vector(const YamlValue& value, const std::string& path, const Range& r
   }
   for (size_t k = 0; k < count; ++k) {
     out[k] = read_number(value.items[k], path + "[" + std::to_string(k) + "]", range);
+  }
+}
+
+void read_pair(const YamlValue& value, const std::string& path, const Range& range, std::array<double, 2>* out) {
+  if (value.kind == YamlValue::Kind::kList) {
+    read_vector(value, path, range, out->data(), out->size());
+  } else {
+    out->fill(read_number(value, path, range));
   }
 }
 

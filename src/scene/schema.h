@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -56,6 +57,8 @@ std::string read_text(const YamlValue& value, const std::string& path);
 std::string read_name(const YamlValue& value, const std::string& path);
 std::string read_choice(const YamlValue& value, const std::string& path, const std::vector<std::string>& choices);
 void read_vector(const YamlValue& value, const std::string& path, const Range& range, double* out, size_t count);
+/// A list of two numbers, or one number that stands for both.
+void read_pair(const YamlValue& value, const std::string& path, const Range& range, std::array<double, 2>* out);
 /// The items of a list; refuses anything else.
 const std::vector<YamlValue>& read_list(const YamlValue& value, const std::string& path, const std::string& of_what);
 /// The one entry of a single-key map such as `cloth: {...}`; refuses other keys.
@@ -63,6 +66,9 @@ const YamlValue& read_tagged(const YamlValue& value, const std::string& path, co
 
 /// Refuses what is no map, unknown keys (naming the nearest known), missing and mutually exclusive keys.
 void check_keys(const YamlValue& value, const std::string& path, const MapText& map);
+
+/// At most `count` of the words that contain `word`, or that a slip of the pen may have meant; the likeliest first.
+std::vector<std::string> nearest_words(const std::string& word, const std::vector<std::string>& words, size_t count);
 
 std::string join(const std::vector<std::string>& words, const std::string& separator = ", ");
 
@@ -79,8 +85,8 @@ class Table {
 
   template <class Get>
   Table& number(const std::string& name, const std::string& unit, Get get, Range range, const std::string& doc) {
-    T prototype{};
-    const KeyText text{name, "number", unit, format_number(std::invoke(get, prototype)), range.text(), doc};
+    const auto prototype = std::make_unique<T>();
+    const KeyText text{name, "number", unit, format_number(std::invoke(get, *prototype)), range.text(), doc};
     return add(text, [get, range](const YamlValue& v, const std::string& path, T* out) {
       std::invoke(get, *out) = read_number(v, path, range);
     });
@@ -96,18 +102,18 @@ class Table {
   }
   template <class Get>
   Table& integer(const std::string& name, Get get, int low, int high, const std::string& doc) {
-    T prototype{};
+    const auto prototype = std::make_unique<T>();
     const std::string range = std::to_string(low) + " ... " + std::to_string(high);
-    return add({name, "integer", "", std::to_string(std::invoke(get, prototype)), range, doc},
+    return add({name, "integer", "", std::to_string(std::invoke(get, *prototype)), range, doc},
                [get, low, high](const YamlValue& v, const std::string& path, T* out) {
                  std::invoke(get, *out) = read_integer(v, path, low, high);
                });
   }
   template <class Get>
   Table& boolean(const std::string& name, Get get, const std::string& doc) {
-    T prototype{};
+    const auto prototype = std::make_unique<T>();
     return add(
-        {name, "bool", "", std::invoke(get, prototype) ? "true" : "false", "true, false", doc},
+        {name, "bool", "", std::invoke(get, *prototype) ? "true" : "false", "true, false", doc},
         [get](const YamlValue& v, const std::string& path, T* out) { std::invoke(get, *out) = read_bool(v, path); });
   }
   template <class Get>
@@ -124,8 +130,8 @@ class Table {
   }
   template <class Get>
   Table& choice(const std::string& name, Get get, const std::vector<std::string>& choices, const std::string& doc) {
-    T prototype{};
-    return add({name, "word", "", std::invoke(get, prototype), join(choices), doc},
+    const auto prototype = std::make_unique<T>();
+    return add({name, "word", "", std::invoke(get, *prototype), join(choices), doc},
                [get, choices](const YamlValue& v, const std::string& path, T* out) {
                  std::invoke(get, *out) = read_choice(v, path, choices);
                });
@@ -134,12 +140,24 @@ class Table {
   template <class Get>
   Table& vector(const std::string& name, const std::string& form, const std::string& unit, Get get, Range range,
                 const std::string& doc) {
-    T prototype{};
-    const auto& standard = std::invoke(get, prototype);
+    const auto prototype = std::make_unique<T>();
+    const auto& standard = std::invoke(get, *prototype);
     const size_t count = static_cast<size_t>(standard.size());
     return add({name, form, unit, format_vector(standard.data(), count), range.text(), doc},
                [get, range, count](const YamlValue& v, const std::string& path, T* out) {
                  read_vector(v, path, range, std::invoke(get, *out).data(), count);
+               });
+  }
+  /// A std::array of two doubles, or an optional one, given as a list or as one number for both; `standard` says what
+  /// holds when it is absent.
+  template <class Get>
+  Table& pair(const std::string& name, const std::string& form, const std::string& unit, Get get, Range range,
+              const std::string& standard, const std::string& doc) {
+    return add({name, "number or " + form, unit, standard, range.text(), doc},
+               [get, range](const YamlValue& v, const std::string& path, T* out) {
+                 std::array<double, 2> both{};
+                 read_pair(v, path, range, &both);
+                 std::invoke(get, *out) = both;
                });
   }
   /// A map inside this one, read with its own table.
@@ -174,6 +192,12 @@ class Table {
     for (size_t k = 0; k < readers_.size(); ++k) {
       const YamlValue* item = value.find(map_.keys[k].name);
       if (item) readers_[k](*item, path.empty() ? item->key : path + "." + item->key, out);
+    }
+  }
+  /// Reads one value, which stands under `path`, as that of its key.
+  void read_key(const YamlValue& value, const std::string& path, T* out) const {
+    for (size_t k = 0; k < readers_.size(); ++k) {
+      if (map_.keys[k].name == value.key) readers_[k](value, path, out);
     }
   }
   const MapText& text() const { return map_; }

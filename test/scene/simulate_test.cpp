@@ -77,6 +77,32 @@ TEST(Simulate, EndsWithOneJsonObject) {
   EXPECT_EQ(grasp["torque"].size(), 3u);
   EXPECT_GT(json["bill"].size(), 0u);
   EXPECT_TRUE(json["bill"][0]["part"].IsScalar());
+  EXPECT_EQ(json["warnings"].size(), 0u);
+}
+
+TEST(Simulate, ReportsSoftBodiesAndWhatTheirModelCannotDo) {
+  const std::string linear = "rubber_beam --set bodies[0].soft.element=tetrahedron --seconds 0.02 ";
+  const Outcome outcome = run(linear + "--quiet --json 2>/dev/null");
+  ASSERT_EQ(outcome.code, 0);
+  const YAML::Node json = YAML::Load(outcome.out);
+  EXPECT_EQ(json["bodies"]["beam"]["nodes"].as<int>(), 44);
+  EXPECT_GT(json["bodies"]["beam"]["energies"]["elastic"].as<double>(), 0.0);
+  ASSERT_EQ(json["warnings"].size(), 1u);
+  EXPECT_NE(json["warnings"][0].as<std::string>().find("linear tetrahedra bend about"), std::string::npos);
+  EXPECT_NE(run(linear + "2>/dev/null").out.find("warning     body beam: linear tetrahedra"), std::string::npos);
+}
+
+TEST(Simulate, WritesTheSurfaceOfASoftBody) {
+  const std::string dir = testing::TempDir() + "/soft_frames";
+  ASSERT_EQ(run("soft_cube_on_table --seconds 0.01 --out " + dir + " --format obj 2>/dev/null").code, 0);
+  std::ifstream file(dir + "/cube_000000.obj");
+  int vertices = 0, faces = 0;
+  for (std::string line; std::getline(file, line);) {
+    vertices += line.rfind("v ", 0) == 0;
+    faces += line.rfind("f ", 0) == 0;
+  }
+  EXPECT_EQ(vertices, 125) << "every node, also those inside";
+  EXPECT_EQ(faces, 6 * 4 * 8) << "6 sides of 2 x 2 cells, each side of a cell cut in 2, each of those in 4";
 }
 
 TEST(Simulate, WritesFramesThatReadBackExactly) {

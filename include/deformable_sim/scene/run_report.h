@@ -27,8 +27,8 @@ std::string run_summary(const RunReport& report);
 
 /// One object, on one line: scene, error, time, steps, dt, integrator, cpu_seconds, wall_seconds, real_time_factor,
 /// bodies {NAME: {nodes, max_strain, min_strain, energies {kinetic, elastic, potential}, bounds {min, max},
-/// center_of_mass}}, grasps {NAME: {force, torque, state}}, max_penetration, max_strain, bill [{part, detail, share}].
-/// SI units. Numbers that are not finite become null.
+/// center_of_mass}}, grasps {NAME: {force, torque, state}}, max_penetration, max_strain, warnings, bill [{part, detail,
+/// share}]. SI units. Numbers that are not finite become null.
 std::string run_json(const RunReport& report);
 
 }  // namespace deformable_sim

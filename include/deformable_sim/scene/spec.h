@@ -32,26 +32,111 @@ struct PoseSpec {
   Pose pose() const;
 };
 
-/// Sheet material, as measured on the textile. Stiffness comes from youngs_modulus and thickness unless given directly.
+/// Sheet material, as measured on the textile. Membrane stiffness comes from youngs_modulus and thickness unless given
+/// per length; bending is a parameter of its own, because woven cloth bends some ten times more stiffly than its
+/// thickness and modulus say.
 struct ClothMaterialSpec {
-  double areal_density = 0.15;              // kg/m^2
-  double thickness = 0.0003;                // m, > 0
-  double youngs_modulus = 8.2e5;            // Pa, > 0
-  double poissons_ratio = 0.25;             // 0 ... 0.5; grids only, a triangle mesh of springs has 1/3
-  std::optional<double> stretch_stiffness;  // N/m per structural spring; replaces youngs_modulus
-  std::optional<double> shear_stiffness;    // N/m per shear spring (grids)
-  std::optional<double> bend_stiffness;     // N/m per bend spring
-  double damping = 0.002;                   // s: viscous coefficient of each spring over its stiffness
+  std::string name;                                         // of the table this started from; empty = none
+  double areal_density = 0.15;                              // kg/m^2
+  double thickness = 0.0003;                                // m, > 0
+  std::array<double, 2> youngs_modulus{{8.2e5, 8.2e5}};     // Pa, > 0, warp (x) and weft (y)
+  double poissons_ratio = 0.25;                             // pulled along warp; springs: grids only
+  std::optional<std::array<double, 2>> membrane_stiffness;  // E h, N/m, warp and weft; replaces youngs_modulus
+  std::optional<double> shear_rigidity;                     // G h, N/m
+  std::optional<std::array<double, 2>> bending_rigidity;    // N m, warp and weft
+  std::optional<double> stretch_stiffness;                  // springs: N/m each; replaces youngs_modulus
+  std::optional<double> shear_stiffness;                    // springs: N/m each (grids)
+  std::optional<double> bend_stiffness;                     // springs: N/m each
+  double damping = 0.002;                                   // s: viscous over elastic stiffness
+  std::optional<double> elastic_limit;                      // strain beyond which the law is said not to hold
+
+  /// E h, N/m.
+  std::array<double, 2> membrane() const;
 };
 
-/// Rope material. Axial stiffness comes from youngs_modulus and diameter unless given directly.
+enum class ClothModel { kSprings, kProvot, kMembrane };
+enum class ClothBending { kSprings, kHinges, kQuadratic };
+enum class RestShape { kFlat, kAsMeshed };
+
+/// A fold line that keeps an angle: hinges on the straight line between two points of the sheet.
+struct CreaseSpec {
+  Location where;
+  std::string path;                                // of the key
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();  // m, in the sheet's own x-y plane
+  Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  double angle = 0.0;  // rad at rest, -pi ... pi; positive: the sides rise towards the sheet's outer side (+z)
+};
+
+struct ClothModelSpec {
+  ClothModel model = ClothModel::kSprings;
+  std::string law = "st_venant_kirchhoff";  // of the membrane
+  std::optional<ClothBending> bending;      // none: hinges when a bending rigidity is known or needed, else springs
+  RestShape rest_shape = RestShape::kAsMeshed;
+  std::vector<CreaseSpec> creases;
+  std::optional<double> strain_limit;  // largest strain of the structural springs or edges
+  int upsample = 1;                    // drawn so many times finer along each side of a cell; grids
+};
+
+/// Rope material. Axial stiffness comes from youngs_modulus and the section unless given directly.
 struct RopeMaterialSpec {
-  double linear_density = 0.05;             // kg/m
-  double diameter = 0.008;                  // m, > 0
-  double youngs_modulus = 5.0e7;            // Pa, > 0
-  std::optional<double> stretch_stiffness;  // N/m per segment spring; replaces youngs_modulus
-  std::optional<double> bend_stiffness;     // N/m per bend spring (over two segments)
-  double damping = 0.002;                   // s
+  std::string name;                                       // of the table this started from; empty = none
+  double linear_density = 0.05;                           // kg/m
+  double diameter = 0.008;                                // m, > 0
+  std::optional<std::array<double, 2>> section;           // m, width (across the director) and height: a rectangle
+  double youngs_modulus = 5.0e7;                          // Pa, > 0
+  std::optional<double> shear_modulus;                    // Pa; none: E / 2.6
+  std::optional<double> axial_stiffness;                  // E A, N; replaces youngs_modulus for stretch
+  std::optional<std::array<double, 2>> bending_rigidity;  // E I, N m^2, in the plane of the director and across it
+  std::optional<double> twist_rigidity;                   // G J, N m^2
+  std::optional<double> stretch_stiffness;                // springs: N/m per segment; replaces youngs_modulus
+  std::optional<double> bend_stiffness;                   // springs: N/m each (over two segments)
+  double damping = 0.002;                                 // s
+  std::optional<double> elastic_limit;                    // strain beyond which the law is said not to hold
+};
+
+enum class RopeModel { kSprings, kRod };
+enum class RopeStart { kNatural, kStraight };
+
+struct RopeModelSpec {
+  RopeModel model = RopeModel::kSprings;
+  std::array<double, 2> natural_curvature{{0.0, 0.0}};  // 1/m, about y and z of the body at its start
+  double natural_twist = 0.0;                           // rad/m
+  double initial_twist = 0.0;                           // rad/m at the start, beyond the natural one
+  RopeStart start = RopeStart::kNatural;
+};
+
+/// Isotropic solid.
+struct SoftMaterialSpec {
+  std::string name;                        // of the table this started from; empty = none
+  double youngs_modulus = 5.0e4;           // Pa, > 0
+  double poissons_ratio = 0.45;            // -1 ... 1/2, both excluded
+  double density = 1000.0;                 // kg/m^3
+  double damping = 0.01;                   // s: viscous over elastic stiffness
+  std::string law = "stable_neo_hookean";  // that suits it
+  double mooney_rivlin_share = 0.5;        // C10 / (C10 + C01)
+  std::optional<double> elastic_limit;     // strain beyond which the law is said not to hold
+};
+
+enum class SoftMass { kLumped, kConsistent };
+enum class SoftElement { kTetrahedron, kQuadraticTetrahedron, kSprings };
+
+struct SoftModelSpec {
+  std::optional<Vec3> box_size;             // m: a box, cut into ...
+  std::optional<std::array<int, 3>> cells;  // ... so many along x, y and z; none: see default_cells()
+  std::optional<double> lattice_cell;       // m: the mesh is a closed surface in a lattice of such cells
+  std::optional<SoftElement> element;       // none: quadratic for a box, linear for a mesh
+  SoftMass mass = SoftMass::kLumped;
+  int neighbours = 18;  // of a spring lattice's inner node: 6, 18 or 26
+  std::string law;      // empty: the material's
+  SoftMaterialSpec material;
+};
+
+/// A surface of its own that a cloth or soft body carries, drawn and published as points in place of its nodes.
+struct VisualSpec {
+  std::string mesh;  // OBJ, STL, PLY or DAE file in the frame of the body; resolved path; empty: none
+  Location where;
+  std::string path;         // of the key
+  double mesh_scale = 1.0;  // file units to m
 };
 
 struct BodySpec {
@@ -67,20 +152,27 @@ struct BodySpec {
   std::optional<double> contact_radius;  // m, > 0: gap kept to colliders; default half the thickness or diameter,
                                          // at least kMinContactRadius
 
-  // cloth
-  std::array<double, 2> size{{0.5, 0.5}};  // m, x and y
-  std::array<int, 2> cells{{20, 20}};      // along x and y: (cells + 1) nodes each
-  std::string mesh;                        // OBJ, STL, PLY or DAE file instead of a grid; resolved path
+  std::string mesh;  // cloth: OBJ, STL, PLY or DAE file instead of a grid; soft: those, or tetrahedra; resolved path
   Location mesh_where;
   double mesh_scale = 1.0;        // file units to m
   bool contact_at_faces = false;  // also hold face centroids off colliders, not only nodes
+  VisualSpec visual;
+
+  // cloth
+  std::array<double, 2> size{{0.5, 0.5}};  // m, x and y
+  std::array<int, 2> cells{{20, 20}};      // along x and y: (cells + 1) nodes each
   ClothMaterialSpec cloth_material;
+  ClothModelSpec cloth;
 
   // rope
   double length = 1.0;  // m
   int segments = 50;
   bool closed = false;
   RopeMaterialSpec rope_material;
+  RopeModelSpec rope;
+
+  // soft
+  SoftModelSpec soft;
 };
 
 struct ColliderSpec {
@@ -112,17 +204,19 @@ struct AirSpec {
 struct StepSpec {
   double dt = 0.01;  // s
   std::string integrator = "implicit_euler";
-  SolverSettings
-      solver;  // keys: linear_solver (direct | cg), newton_iterations, tolerance, linear_tolerance, linear_iterations
+  SolverSettings solver;  // keys: linear_solver (direct | cg), newton_iterations, tolerance, linear_tolerance,
+                          // linear_iterations, jacobian (projected | axial)
 };
 
 struct OutputSpec {
   double rate_markers = 30.0;     // Hz
   double rate_points = 30.0;      // Hz
   double rate_state = 30.0;       // Hz
-  std::string color_by = "body";  // body | strain | velocity | contact
+  std::string color_by = "body";  // body | strain | stress | velocity | contact
   double strain_range = 0.05;     // strain shown as full colour
+  double stress_range = 1.0e5;    // Pa, stress shown as full colour
   bool wireframe = false;
+  bool frames = false;  // draw the frames of rods: tangent and the two directors of each segment
 };
 
 struct SceneSpec {

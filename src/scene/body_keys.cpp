@@ -1,0 +1,79 @@
+#include "body_keys.h"
+#include "deformable_sim/core/topology/upsampling.h"
+
+namespace deformable_sim {
+namespace {
+
+void read_pins(const YamlValue& v, const std::string& path, BodySpec* body) {
+  for (const YamlValue& item : read_list(v, path, "features")) {
+    body->pins.push_back(read_text(item, path + "[" + std::to_string(body->pins.size()) + "]"));
+  }
+}
+
+void read_visual_mesh(const YamlValue& v, const std::string& path, BodySpec* body) {
+  body->visual.mesh = read_text(v, path);
+  body->visual.where = {v.origin, v.line};
+  body->visual.path = path;
+}
+
+void read_color(const YamlValue& v, const std::string& path, BodySpec* body) {
+  body->color.emplace();
+  read_vector(v, path, between(0, 1), body->color->data(), 3);
+}
+
+}  // namespace
+
+void add_first_keys(Table<BodySpec>* table) {
+  table->name("name", &BodySpec::name, "Unique; part of topic names.");
+  table->map("pose", &BodySpec::pose, pose_table(), "World from body. See pose.");
+}
+
+void add_visual_key(Table<BodySpec>* table, BodyKind kind) {
+  const Table<BodySpec> visual = visual_table(kind);
+  table->map(
+      "visual", [](BodySpec& b) -> BodySpec& { return b; }, visual, "See " + visual.text().path + ".");
+}
+
+Table<BodySpec> visual_table(BodyKind kind) {
+  const bool cloth = kind == BodyKind::kCloth;
+  Table<BodySpec> t(cloth ? "bodies[].cloth.visual" : "bodies[].soft.visual",
+                    "A finer surface that is drawn and published as points in place of the nodes, which carry it.");
+  if (cloth) {
+    t.integer(
+        "upsample", [](BodySpec& b) -> int& { return b.cloth.upsample; }, 1, kMaxUpsampling,
+        "A grid so many times finer along each side of a cell, on a smooth surface through the nodes.");
+  }
+  t.add({"mesh", "text", "", "", "",
+         "OBJ, STL, PLY or DAE file in the frame of the body, wherever it lies near it: relative to the scene file, "
+         "absolute, or package://deformable_sim/..."},
+        read_visual_mesh);
+  t.number(
+      "mesh_scale", "m", [](BodySpec& b) -> double& { return b.visual.mesh_scale; }, between(1e-6, 1000),
+      "Metres per unit of the file.");
+  if (cloth) t.at_most_one_of({"upsample", "mesh"});
+  return t;
+}
+
+void add_contact_points(Table<BodySpec>* table) {
+  table->add({"contact_points", "word", "", "nodes", "nodes, faces",
+              "What is held off colliders: nodes, or nodes and face centroids (for coarse meshes on small or sharp "
+              "colliders)."},
+             [](const YamlValue& v, const std::string& path, BodySpec* body) {
+               body->contact_at_faces = read_choice(v, path, {"nodes", "faces"}) == "faces";
+             });
+}
+
+void add_common_keys(Table<BodySpec>* table, const std::string& contact_radius) {
+  table->number("friction", "", &BodySpec::friction, between(0, 10),
+                "Coulomb coefficient; a contact takes the geometric mean of body and collider.");
+  table->optional_number("contact_radius", "m", &BodySpec::contact_radius, between(0.0001, 0.1), contact_radius,
+                         "Distance kept between the body's nodes and collider surfaces.");
+  table->add({"color", "[r, g, b]", "", "by order", "0 ... 1", "Colour in rviz."}, read_color);
+  table->add(
+      {"pins", "list of features", "", "[]", "features of the body",
+       "Features held where they start: each becomes a rigid grasp named pin_BODY_FEATURE, which can be moved and "
+       "released like any other."},
+      read_pins);
+}
+
+}  // namespace deformable_sim

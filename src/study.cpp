@@ -1,0 +1,158 @@
+// The virtual test bench: puts a material of the tables on simulated specimens and reports what is measured. No ROS.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "deformable_sim/core/error.h"
+#include "deformable_sim/scene/material_library.h"
+#include "study/bench.h"
+
+namespace {
+
+using namespace deformable_sim;
+
+constexpr int kDone = 0, kFailed = 1, kRefused = 2;
+
+const char kUsage[] =
+    "usage: study material MATERIAL [--model M] [--out DIR] [--quick] [--json]\n"
+    "       study --list | --models | --material-reference | --help\n"
+    "\n"
+    "MATERIAL              a name of config/materials (study --list)\n"
+    "--model M             how the body is modelled (study --models), or all; default: the model that suits the "
+    "material\n"
+    "--out DIR             writes MATERIAL.json and MATERIAL.csv there\n"
+    "--quick               two coarse meshes and no drape\n"
+    "--json                prints JSON instead of the table\n"
+    "--material-reference  prints the page of all materials\n"
+    "\n"
+    "Exit codes: 0 done, 1 a test could not be made, 2 the input was refused.\n";
+
+struct Arguments {
+  std::string material, model, out;
+  study::Effort effort = study::Effort::kFull;
+  bool json = false;
+};
+
+Arguments read_arguments(const std::vector<std::string>& words) {
+  if (words.empty() || words[0] != "material") throw InputError("the first word must be 'material'");
+  Arguments a;
+  for (size_t k = 1; k < words.size(); ++k) {
+    const std::string& word = words[k];
+    const auto value = [&]() -> const std::string& {
+      if (k + 1 >= words.size()) throw InputError(word + ": needs a value");
+      return words[++k];
+    };
+    if (word == "--model") {
+      a.model = value();
+    } else if (word == "--out") {
+      a.out = value();
+    } else if (word == "--quick") {
+      a.effort = study::Effort::kQuick;
+    } else if (word == "--json") {
+      a.json = true;
+    } else if (word.size() > 1 && word[0] == '-') {
+      throw InputError("unknown option " + word);
+    } else if (!a.material.empty()) {
+      throw InputError("one material at a time: '" + a.material + "' and '" + word + "'");
+    } else {
+      a.material = word;
+    }
+  }
+  if (a.material.empty()) throw InputError("no material given");
+  return a;
+}
+
+/// The models asked for: one, all, or the one that suits.
+std::vector<std::string> chosen(const std::string& asked, const std::vector<std::string>& all,
+                                const std::string& suitable) {
+  if (asked == "all") return all;
+  return {asked.empty() ? suitable : asked};
+}
+
+struct Studies {
+  const Arguments& arguments;
+  std::vector<study::Report> reports;
+
+  void show(const study::Report& report) {
+    if (!arguments.json) std::cout << (reports.empty() ? "" : "\n") << study::text_of(report) << std::flush;
+    reports.push_back(report);
+  }
+  void operator()(const SolidData& solid) {
+    for (const auto& m : chosen(arguments.model, study::solid_models(), solid.law + "_quadratic")) {
+      show(study::study_solid(solid, m, arguments.effort));
+    }
+  }
+  void operator()(const FabricData& fabric) {
+    for (const auto& m : chosen(arguments.model, study::cloth_models(), "membrane")) {
+      show(study::study_cloth(fabric, m, arguments.effort));
+    }
+  }
+  void operator()(const RopeData& rope) {
+    for (const auto& m : chosen(arguments.model, study::rope_models(), "rod")) {
+      show(study::study_rope(rope, m, arguments.effort));
+    }
+  }
+};
+
+void write(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream stream(path);
+  stream << text;
+  if (!stream.flush()) throw InputError("cannot write " + path.string());
+}
+
+int study_material(const Arguments& arguments) {
+  const MaterialLibrary library = load_material_library(default_material_dir());
+  Studies studies{arguments, {}};
+  std::visit(studies, library.find(arguments.material));
+  if (arguments.json) std::cout << study::json_of(studies.reports);
+  if (!arguments.out.empty()) {
+    std::filesystem::create_directories(arguments.out);
+    const std::filesystem::path base = std::filesystem::path(arguments.out) / arguments.material;
+    write(base.string() + ".json", study::json_of(studies.reports));
+    write(base.string() + ".csv", study::csv_of(studies.reports));
+    std::cerr << "wrote " << base.string() << ".json and .csv\n";
+  }
+  return kDone;
+}
+
+void list(const std::string& heading, const std::vector<std::string>& names) {
+  std::cout << heading << ":\n";
+  for (const std::string& name : names) std::cout << "  " << name << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
+  if (words.empty() || has("--help") || has("-h")) {
+    (words.empty() ? std::cerr : std::cout) << kUsage;
+    return words.empty() ? kRefused : kDone;
+  }
+  try {
+    if (words.size() == 1 && words[0] == "--material-reference") {
+      std::cout << material_reference(load_material_library(default_material_dir()));
+      return kDone;
+    }
+    if (words.size() == 1 && words[0] == "--list") {
+      list(default_material_dir(), load_material_library(default_material_dir()).names());
+      return kDone;
+    }
+    if (words.size() == 1 && words[0] == "--models") {
+      list("fabrics", study::cloth_models());
+      list("ropes", study::rope_models());
+      list("solids", study::solid_models());
+      return kDone;
+    }
+    return study_material(read_arguments(words));
+  } catch (const InputError& error) {
+    std::cerr << "study: " << error.what() << "\n";
+    return kRefused;
+  } catch (const std::exception& error) {
+    std::cerr << "study: " << error.what() << "\n";
+    return kFailed;
+  }
+}
