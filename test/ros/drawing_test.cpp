@@ -196,7 +196,9 @@ TEST(BodyColors, SaturateToMagentaWhereTheLawNoLongerHolds) {
 }
 
 TEST(BodyColors, EvaluateStressOnlyToShowIt) {
+  // ... and with the body's own nodes, here the last four of seven.
   Scene scene;
+  scene.add("other", Nodes::Zero(3, 3));
   Body& body = scene.add_sheet(1);
   int asked = 0;
   body.stress = [&asked](const Nodes& x) {
@@ -221,7 +223,7 @@ TEST(BodyColors, EvaluateStressOnlyToShowIt) {
   EXPECT_EQ(body_colors(scene.snapshot, body, outputs)[1], Color(0.85f, 0.85f, 0.85f));
 }
 
-/// Mean position of the tube's vertices that have the brighter of its two shades.
+/// Mean position of the vertices around the middle of the tube that belong to quads of the brighter of its two shades.
 Vec3 centre_of_bright_side(const visualization_msgs::Marker& tube) {
   Vec3 sum = Vec3::Zero();
   int count = 0;
@@ -229,7 +231,11 @@ Vec3 centre_of_bright_side(const visualization_msgs::Marker& tube) {
     float brightest = 0.0f;
     for (std::size_t k = i; k < i + 6; ++k) brightest = std::max(brightest, tube.colors[k].r);
     if (brightest < 0.8f * 0.45f) continue;
-    for (std::size_t k = i; k < i + 6; ++k, ++count) sum += Vec3(0.0, tube.points[k].y, tube.points[k].z);
+    for (std::size_t k = i; k < i + 6; ++k) {
+      if (std::abs(tube.points[k].x) > 1e-9) continue;
+      sum += Vec3(0.0, tube.points[k].y, tube.points[k].z);
+      ++count;
+    }
   }
   return sum / std::max(1, count);
 }
@@ -243,6 +249,15 @@ TEST(Tube, OfARodShowsWhereItsFirstDirectorPoints) {
     EXPECT_NEAR(std::remainder(std::atan2(side.z(), side.y()) - turn, 2.0 * M_PI), 0.0, 0.1) << turn;
     EXPECT_GT(side.norm(), 0.004);
   }
+}
+
+TEST(Tube, TurnsHalfWayFromOneSegmentToTheNext) {
+  // Directors 0 and 0.8: the ring at the node between them looks towards 0.4.
+  Scene scene;
+  scene.add_rod(2, 0.0);
+  scene.snapshot.directors.col(1) = Vec3(0.0, std::cos(0.8), std::sin(0.8));
+  const Vec3 side = centre_of_bright_side(body_marker(scene.snapshot, 0, OutputSpec()));
+  EXPECT_NEAR(std::atan2(side.z(), side.y()), 0.4, 0.1);
 }
 
 TEST(Tube, OfARopeHasOneShade) {

@@ -5,6 +5,7 @@
 
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/energy/solid_terms.h"
+#include "deformable_sim/core/strain_limit.h"
 #include "support/system.h"
 
 namespace {
@@ -120,6 +121,35 @@ TEST(WarmStep, HasAHookThatSeesAllocations) {
   }
   counting = false;
   EXPECT_GT(allocations, 0);
+}
+
+TEST(WarmStep, WithStrainLimitsAllocatesNothing) {
+  // A sheet that hangs from two corners, taut enough that every step is projected.
+  const TriangleMesh mesh = make_grid(0.3, 0.3, 5, 5);
+  SheetStiffness stiffness;
+  stiffness.membrane = 5.0;
+  const SpringNetwork network = sheet_network(mesh, stiffness);
+  Model model;
+  model.mass = sheet_masses(mesh, 0.2);
+  model.strain_limits = strain_limits(network.stretch, 1e-3, 0);
+  StrainLimiter limiter(model);
+  System body(mesh.rest, model.mass);
+  body.add_springs(network).add_gravity().hold(0).hold(5);
+  const auto integrator = make_integrator("symplectic_euler", {});
+  int iterations = 0;
+  const auto step = [&] {
+    limiter.begin(2e-3, body.dynamics.kinematics, &body.state);
+    body.step(*integrator, 2e-3);
+    iterations += limiter.project(2e-3, &body.dynamics, &body.state).iterations;
+  };
+  for (int k = 0; k < 30; ++k) step();
+  iterations = 0;
+  allocations = 0;
+  counting = true;
+  for (int k = 0; k < 5; ++k) step();
+  counting = false;
+  EXPECT_EQ(allocations, 0);
+  EXPECT_GE(iterations, 10);
 }
 
 }  // namespace

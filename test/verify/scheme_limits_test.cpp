@@ -79,8 +79,8 @@ TEST_P(SchemeLimit, IsStableUpToTheTabulatedStepAndNotBeyond) {
 }
 
 TEST_P(SchemeLimit, AmplifiesPerStepAsTabulated) {
-  // |R| of an undamped oscillator. Where two eigenvalues meet (omega dt = 2 of the symplectic schemes) powers of the step
-  // grow like n, and their rounding with them.
+  // |R| of an undamped oscillator. Where two eigenvalues meet (omega dt = 2 of the symplectic schemes) powers of the
+  // step grow like n, and their rounding with them.
   for (const TableRow& row : read_rows("E2_amplification_per_step_undamped.csv")) {
     const double dt = row("omega*dt"), expected = row(kTableName.at(GetParam()) + " |R|");
     const bool meet = dt == 2.0 && make_integrator(GetParam(), {})->stability_limit() == 2.0;
