@@ -7,7 +7,7 @@ body { font: 15px/1.5 sans-serif; max-width: 72em; margin: 2em auto; padding: 0 
 table { border-collapse: collapse; margin: 1em 0; } th { text-align: left; }
 th, td { border-bottom: 1px solid #ddd; padding: 2px 10px; vertical-align: top; }
 td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-.bad { color: #b00020; font-weight: bold; } .gap { color: #8a5a00; } svg { max-width: 100%; height: auto; }
+.bad { color: #b00020; font-weight: bold; } .gap { color: #8a5a00; } .low { color: #999; } svg { max-width: 100%; height: auto; }
 </style>'''
 
 

@@ -19,6 +19,7 @@ Row row_of(const std::string& test, const std::string& quantity, const std::stri
     const double start = thread_cpu_time();
     Measurement m = measure(size);
     m.cpu_seconds = thread_cpu_time() - start;
+    if (std::isnan(m.value)) row.gap = "the statics did not settle at every size: nothing is measured there";
     row.measured.push_back(m);
   }
   return row;

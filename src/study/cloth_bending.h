@@ -7,8 +7,9 @@
 namespace deformable_sim::study {
 
 /// Bending rigidity (N m) by ASTM D1388: rho g L^3 / 8.004 at the overhang L whose chord reaches 41.5 degrees. The
-/// strip is 25 mm wide, `angle` between its length and the warp, `cells` elements along the overhang, the clamp line in
-/// the middle of the clamped elements. Appends the shape to `curves` when that is not null.
+/// strip is 25 mm wide, or a twenty-fifth of its overhang where it is cut on the bias (it twists as it bends, which the
+/// clamp of a wide one hinders), `angle` between its length and the warp, `cells` elements along the overhang, the
+/// clamp line in the middle of the clamped elements. Appends the shape to `curves` when that is not null.
 Measurement bend_strip(const FabricData& fabric, const ClothModel& model, double angle, int cells,
                        std::vector<Curve>* curves);
 

@@ -49,6 +49,7 @@ Specimen deformed_square(const FabricData& fabric, const ClothModel& model, int 
 
 /// Virtual work of the boundary's reactions on u = direction x, per area and per unit of `direction`: N/m.
 double stress_on(const Specimen& square, const Mat3& direction) {
+  if (!square.settled()) return none();
   const Nodes reactions = square.reactions();
   double work = 0.0;
   for (int i = 0; i < square.node_count(); ++i) work += reactions.col(i).dot(direction * Vec3(square.rest.col(i)));
@@ -71,7 +72,7 @@ Traction pull_strip(const FabricData& fabric, const ClothModel& model, Along alo
     strip.hold(i, axis);  // the ends may contract: rollers, but for one node that keeps the strip in place
     if (at(x, -0.5 * length) && at(mesh.rest(across, i), -0.5 * kWidth)) strip.hold(i, across);
   }
-  strip.settle();
+  if (!strip.settle().converged) return {strip.node_count(), none(), none()};
   const Nodes reactions = strip.reactions();
   double force = 0.0;
   for (int i = 0; i < strip.node_count(); ++i) {
@@ -114,7 +115,7 @@ Measurement pull_on_the_bias(const FabricData& fabric, const ClothModel& model, 
   const int corner = 0, next = cells;  // along x from it
   square.hold(corner);
   square.hold(next, 1);
-  square.settle();
+  if (!square.settle().converged) return {square.node_count(), none(), 0.0};
   // From corner to corner, along d.
   const Vec3 diagonal = mesh.rest.col(square.node_count() - 1) - mesh.rest.col(0);
   const Vec3 moved = square.state.x.col(square.node_count() - 1) - square.state.x.col(0) - diagonal;

@@ -8,7 +8,8 @@
 namespace deformable_sim::study {
 namespace {
 
-constexpr double kSame = 1e-6;  // relative: sizes that agree so well are exact
+constexpr double kSame = 1e-6;       // relative: sizes that agree so well are exact
+constexpr double kLeastOrder = 0.7;  // slower than that, three sizes do not tell where they go
 
 std::string number(double value, const char* format = "%.5g") {
   if (std::isnan(value)) return "-";
@@ -98,7 +99,7 @@ double Row::order() const {
   if (!last_three(*this, &f)) return none();
   if (agree(f)) return std::numeric_limits<double>::infinity();
   const double ratio = (f[0] - f[1]) / (f[1] - f[2]);
-  return ratio > 1.0 ? std::log2(ratio) : none();
+  return std::log2(ratio) >= kLeastOrder ? std::log2(ratio) : none();
 }
 
 double Row::limit() const {

@@ -24,7 +24,7 @@ struct Row {
   std::string gap;  // why it cannot agree, or what is missing
 
   /// Of the last three sizes, each with elements half as large: f + C h^p through them. NaN with fewer, or where
-  /// they do not converge; the last value where they agree to 1e-6.
+  /// they do not converge with p of 0.7 at least; the last value where they agree to 1e-6.
   double limit() const;
   /// p; infinity where the sizes agree to 1e-6.
   double order() const;

@@ -58,6 +58,7 @@ Equilibrium Specimen::settle(const StaticsSettings& settings) {
   const double largest = loads_.size() > 0 ? loads_.cwiseAbs().maxCoeff() : 0.0;
   const Equilibrium found = study::settle(energies_, held_, largest, settings, &state);
   energies_.pop_back();
+  settled_ = found.converged;
   return found;
 }
 

@@ -24,6 +24,8 @@ class Specimen {
   void weigh(const Vec3& gravity, int points);
 
   Equilibrium settle(const StaticsSettings& settings = {});
+  /// Did the last settle() find an equilibrium? Nothing can be measured where it did not.
+  bool settled() const { return settled_; }
 
   /// What holds a node: minus the energies' force on it, N.
   Nodes reactions() const;
@@ -37,6 +39,7 @@ class Specimen {
   std::vector<std::unique_ptr<Energy>> energies_;
   std::vector<char> held_;
   Nodes loads_;
+  bool settled_ = false;
 };
 
 }  // namespace deformable_sim::study

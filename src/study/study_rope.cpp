@@ -65,7 +65,7 @@ Measurement pull(const RopeData& rope, const std::string& model, int segments) {
   s.hold(segments);
   if (made.radius_of_gyration > 0.0) s.hold(made.points, 0);  // else it spins freely
   for (int i = 0; i <= segments; ++i) s.state.x(0, i) *= 1.0 + kStrain;
-  s.settle();
+  if (!s.settle().converged) return {made.points, none(), 0.0};
   return {made.points, s.reactions()(0, segments) / kStrain, 0.0};
 }
 
@@ -78,7 +78,7 @@ Measurement turn(const RopeData& rope, const std::string& model, int segments) {
   s.hold(first, 0);
   s.hold(last, 0);
   s.state.x(0, last) += angle * made.radius_of_gyration;
-  s.settle();
+  if (!s.settle().converged) return {made.points, none(), 0.0};
   const double torque = s.reactions()(0, last) * made.radius_of_gyration;
   // Angles are those of the segments' middles.
   return {made.points, torque * (length - length / segments) / angle, 0.0};

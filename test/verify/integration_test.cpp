@@ -29,6 +29,7 @@ TEST(FreeFall, FollowsTheExactRecurrenceOfEachScheme) {
                                                   {"symplectic_euler", -0.5 * kGravity * t * (t + dt)},
                                                   {"rk4", -0.5 * kGravity * t * t},
                                                   {"velocity_verlet", -0.5 * kGravity * t * t},
+                                                  {"substepped_verlet", -0.5 * kGravity * t * t},
                                                   {"implicit_euler", -0.5 * kGravity * t * (t + dt)},
                                                   {"linear_implicit_euler", -0.5 * kGravity * t * (t + dt)},
                                                   {"implicit_midpoint", -0.5 * kGravity * t * t},

@@ -70,6 +70,21 @@ TEST(RodBuckling, NaturalCurvatureOfAHangingRodTurnsItOutOfPlane) {
   }
 }
 
+TEST(RodBuckling, ALightRodCurlsUpInItsPlane) {
+  // Gamma = rho g A L^3 / B <= 10: no natural curvature turns the rod out of its plane, whatever C/B = 1/(1 + nu).
+  const int segments = 60;
+  for (const double nu : {0.0, 0.5}) {
+    for (const double k0 : {2.0, 4.0, 6.0, 8.0}) {
+      const double gamma = 10.0;
+      auto rod =
+          cantilever(-Vec3::UnitZ(), segments, unit_section(nu, 1e3 * gamma), curved(k0, segments - 1, Vec3::UnitY()));
+      rod->add_gravity(Vec3(0, 0, -gamma));
+      check("A3", "rod, planar at Gamma = 10, nu = " + std::to_string(nu) + ", k0 L = " + std::to_string(k0),
+            is_stable(rod.get(), careful(1e-7 * gamma)), 1.0, 0.0, Tolerance::kAbsolute);
+    }
+  }
+}
+
 TEST(RodBuckling, ARibbonOnEdgeFallsOverSideways) {
   // q L^3 / sqrt(B_weak C) = 6 j_(-1/6,1) = 12.8538 under its own weight, P L^2 / sqrt(B_weak C) = 2 j_(-1/4,1)
   // = 4.0126 under a tip load, for B_strong >> B_weak; 3 %.

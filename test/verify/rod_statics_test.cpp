@@ -171,7 +171,8 @@ TEST(RodTorsion, TwistsInProportionToTheMoment) {
     const double length = 0.1 * (segments - 1);
     check("B12", "rod, moment at " + std::to_string(turns) + " turns, N m", moment, rod.section.twist * phi / length,
           1e-8);
-    check("B12", "rod, moment at the other end, N m", k.reaction(0, 4) * rod.section.radius_of_gyration, -moment, 1e-8);
+    check("B12", "rod, moment at the other end at " + std::to_string(turns) + " turns, N m",
+          k.reaction(0, 4) * rod.section.radius_of_gyration, -moment, 1e-8);
   }
 }
 

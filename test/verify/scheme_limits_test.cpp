@@ -43,7 +43,7 @@ double turn(const std::string& scheme, double dt) {
 }
 
 class SchemeLimit : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Registry, SchemeLimit, testing::ValuesIn(integrator_names()),
+INSTANTIATE_TEST_SUITE_P(Registry, SchemeLimit, testing::ValuesIn(one_step_names()),
                          [](const auto& info) { return info.param; });
 
 TEST_P(SchemeLimit, IsStableUpToTheTabulatedStepAndNotBeyond) {
