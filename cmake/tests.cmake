@@ -7,10 +7,12 @@ foreach(group unit verify regression scene)
   if(group_sources)
     add_executable(${group}_tests ${group_sources})
     target_include_directories(${group}_tests PRIVATE test)
-    target_compile_definitions(${group}_tests PRIVATE
-      DEFORMABLE_SIM_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}" SIMULATE_PATH="$<TARGET_FILE:simulate>"
-      STUDY_PATH="$<TARGET_FILE:study>")
-    target_link_libraries(${group}_tests PRIVATE ${PROJECT_NAME}_scene GTest::gtest GTest::gtest_main Threads::Threads yaml-cpp)
+    target_compile_definitions(${group}_tests PRIVATE DEFORMABLE_SIM_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
+    if(group STREQUAL scene)
+      target_compile_definitions(${group}_tests PRIVATE
+        SIMULATE_PATH="$<TARGET_FILE:simulate>" STUDY_PATH="$<TARGET_FILE:study>")
+    endif()
+    target_link_libraries(${group}_tests PRIVATE ${PROJECT_NAME}_study GTest::gtest GTest::gtest_main Threads::Threads yaml-cpp)
     add_dependencies(${group}_tests simulate study)
     add_test(NAME ${group} COMMAND ${group}_tests)
   endif()

@@ -1,4 +1,5 @@
-// The virtual test bench: puts a material of the tables on simulated specimens and reports what is measured. No ROS.
+// Studies. The virtual test bench puts a material of the tables on simulated specimens and reports what is measured;
+// work_precision finds what a scene's error costs. No ROS.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/scene/material_library.h"
 #include "study/bench.h"
+#include "study/work_precision_command.h"
 
 namespace {
 
@@ -18,7 +20,9 @@ constexpr int kDone = 0, kFailed = 1, kRefused = 2;
 
 const char kUsage[] =
     "usage: study material MATERIAL [--model M] [--out DIR] [--quick] [--json]\n"
+    "       study work_precision SCENE | --suite ...      (study work_precision --help)\n"
     "       study --list | --models | --material-reference | --help\n"
+    "       ./run study verify [--only TESTS] [--out DIR]   (in a checkout: every yardstick, see doc/verification.md)\n"
     "\n"
     "MATERIAL              a name of config/materials (study --list)\n"
     "--model M             how the body is modelled (study --models), or all; default: the model that suits the "
@@ -37,7 +41,10 @@ struct Arguments {
 };
 
 Arguments read_arguments(const std::vector<std::string>& words) {
-  if (words.empty() || words[0] != "material") throw InputError("the first word must be 'material'");
+  if (words.empty() || words[0] != "material")
+    throw InputError("'" + (words.empty() ? "" : words[0]) +
+                     "': the first word must be 'material' or 'work_precision', or the only one --list, --models, "
+                     "--material-reference or --help");
   Arguments a;
   for (size_t k = 1; k < words.size(); ++k) {
     const std::string& word = words[k];
@@ -54,14 +61,14 @@ Arguments read_arguments(const std::vector<std::string>& words) {
     } else if (word == "--json") {
       a.json = true;
     } else if (word.size() > 1 && word[0] == '-') {
-      throw InputError("unknown option " + word);
+      throw InputError("unknown option " + word + "; there is --model, --out, --quick, --json and --help");
     } else if (!a.material.empty()) {
       throw InputError("one material at a time: '" + a.material + "' and '" + word + "'");
     } else {
       a.material = word;
     }
   }
-  if (a.material.empty()) throw InputError("no material given");
+  if (a.material.empty()) throw InputError("no material given; study --list names them");
   return a;
 }
 
@@ -103,13 +110,21 @@ void write(const std::filesystem::path& path, const std::string& text) {
   if (!stream.flush()) throw InputError("cannot write " + path.string());
 }
 
+/// Before the study, not after it: a minute's work should not end on a folder that cannot be.
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error || !std::filesystem::is_directory(path)) throw InputError("cannot make the folder " + path);
+}
+
 int study_material(const Arguments& arguments) {
   const MaterialLibrary library = load_material_library(default_material_dir());
+  const auto material = library.find(arguments.material);
+  if (!arguments.out.empty()) make_folder(arguments.out);
   Studies studies{arguments, {}};
-  std::visit(studies, library.find(arguments.material));
+  std::visit(studies, material);
   if (arguments.json) std::cout << study::json_of(studies.reports);
   if (!arguments.out.empty()) {
-    std::filesystem::create_directories(arguments.out);
     const std::filesystem::path base = std::filesystem::path(arguments.out) / arguments.material;
     write(base.string() + ".json", study::json_of(studies.reports));
     write(base.string() + ".csv", study::csv_of(studies.reports));
@@ -128,11 +143,13 @@ void list(const std::string& heading, const std::vector<std::string>& names) {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
+  const bool precision = !words.empty() && words[0] == "work_precision";
   if (words.empty() || has("--help") || has("-h")) {
-    (words.empty() ? std::cerr : std::cout) << kUsage;
+    (words.empty() ? std::cerr : std::cout) << (precision ? work_precision::kUsage : kUsage);
     return words.empty() ? kRefused : kDone;
   }
   try {
+    if (precision) return work_precision::command({words.begin() + 1, words.end()});
     if (words.size() == 1 && words[0] == "--material-reference") {
       std::cout << material_reference(load_material_library(default_material_dir()));
       return kDone;

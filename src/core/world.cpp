@@ -44,6 +44,7 @@ void add(const StepReport& part, StepReport* sum) {
   sum->converged = sum->converged && part.converged;
   sum->newton_iterations += part.newton_iterations;
   sum->linear_iterations += part.linear_iterations;
+  sum->force_evaluations += part.force_evaluations;
   // Not std::max, which loses a NaN.
   if (!(part.residual <= sum->residual)) sum->residual = part.residual;
   sum->seconds_assembly += part.seconds_assembly;
@@ -70,6 +71,10 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
   integrator = make_integrator(settings.integrator, settings.solver);
   dynamics.mass = &model->mass;
   if (model->mass_matrix.nonZeros() > 0) dynamics.mass_matrix = &model->mass_matrix;
+  if (integrator->needs().lumped_mass && dynamics.mass_matrix != nullptr) {
+    throw InputError("integrator " + integrator->name() + " needs lumped masses; a body here has mass: consistent");
+  }
+  dynamics.grids = &model->grids;
   if (!model->strain_limits.empty()) limiter = std::make_unique<StrainLimiter>(*model);
   if (integrator->needs().jacobian) {
     std::vector<std::array<int, 2>> pairs;
@@ -79,7 +84,7 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
         if (it.row() < j) pairs.push_back({static_cast<int>(it.row()), j});
     add_contact_pairs(*model, &pairs);
     if (limiter) limiter->springs()->add_pattern(&pairs);
-    pattern = BlockMatrix(model->node_count(), pairs);
+    pattern = BlockMatrix(model->node_count(), pairs, model->point_count());
     for (const auto& e : model->energies) e->bind(pattern);
     if (limiter) limiter->springs()->bind(pattern);
     dynamics.pattern = &pattern;
@@ -198,10 +203,12 @@ void World::Parts::integrate_with_contacts(double h) {
 }
 
 bool World::Parts::advance(double h, double fraction) {
-  double start = cpu_seconds();
-  if (!grasps.empty()) grasps.advance(h, state, &dynamics.kinematics);
-  if (!colliders.empty()) colliders.advance(h, &collider_steps);
-  cost.grasps += cpu_seconds() - start;
+  if (!grasps.empty() || !colliders.empty()) {  // asking for the time is dear to a short rope
+    const double start = cpu_seconds();
+    if (!grasps.empty()) grasps.advance(h, state, &dynamics.kinematics);
+    if (!colliders.empty()) colliders.advance(h, &collider_steps);
+    cost.grasps += cpu_seconds() - start;
+  }
 
   if (contacts) {
     integrate_with_contacts(h);
@@ -209,9 +216,11 @@ bool World::Parts::advance(double h, double fraction) {
     integrate(h);
   }
 
-  start = cpu_seconds();
-  if (!grasps.empty()) grasps.measure(dynamics.kinematics, state, fraction);
-  cost.grasps += cpu_seconds() - start;
+  if (!grasps.empty()) {
+    const double start = cpu_seconds();
+    grasps.measure(dynamics.kinematics, state, fraction);
+    cost.grasps += cpu_seconds() - start;
+  }
   return state_is_sane();
 }
 

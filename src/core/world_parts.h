@@ -90,7 +90,4 @@ struct World::Parts {
 /// Thread CPU time, s.
 double cpu_seconds();
 
-/// Largest rate (1/s) at which M^-1 C damps a motion, C = -df/dv at `s`, by power iteration on force differences.
-double highest_damping_rate(const Dynamics& d, const State& s);
-
 }  // namespace deformable_sim

@@ -1,5 +1,6 @@
 // What a World says about itself: snapshot and bill.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -19,16 +20,25 @@ int body_of(const Model& model, const Energy& energy) {
   return -1;
 }
 
+/// sum += 1/2 v^T M v of the nodes from `first` on, J; bodies share no entry of a consistent mass matrix.
+void add_kinetic_energy(const Model& model, int first, int count, const State& s, double* sum) {
+  if (model.mass_matrix.nonZeros() == 0) {
+    for (int i = first; i < first + count; ++i) *sum += 0.5 * model.mass[i] * s.v.col(i).squaredNorm();
+    return;
+  }
+  for (int j = first; j < first + count; ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(model.mass_matrix, j); it; ++it)
+      *sum += 0.5 * it.value() * s.v.col(it.row()).dot(s.v.col(j));
+}
+
 BodyReport report_of(const Model& model, const Body& body, const State& s) {
   BodyReport r;
-  for (int i = body.first_node; i < body.first_node + body.node_count; ++i) {
-    r.kinetic_energy += 0.5 * model.mass[i] * s.v.col(i).squaredNorm();
+  add_kinetic_energy(model, body.first_node, body.node_count, s, &r.kinetic_energy);
+  for (int i = body.first_node; i < body.first_node + body.node_count; ++i)
     r.potential_energy -= model.mass[i] * model.gravity.dot(s.x.col(i));
-  }
   if (body.first_segment >= 0) {
-    const int first = model.point_count() + body.first_segment;
-    for (int i = first; i < first + body.line->segment_count(); ++i)
-      r.kinetic_energy += 0.5 * model.mass[i] * s.v.col(i).squaredNorm();
+    add_kinetic_energy(model, model.point_count() + body.first_segment, body.line->segment_count(), s,
+                       &r.kinetic_energy);
   }
   for (const StrainEdge& e : body.strain_edges) {
     const double strain = (s.x.col(e.node[1]) - s.x.col(e.node[0])).norm() / e.rest_length - 1.0;
@@ -75,10 +85,9 @@ double force_seconds(const Energy& energy, const State& s, Nodes* work) {
 }
 
 /// "stretch springs" has so many "springs", "gravity" acts on so many "elements".
-std::string counted(const Energy& energy) {
-  const std::string name = energy.name();
+std::string counted(const std::string& name, int count) {
   const bool springs = name.size() >= 7 && name.compare(name.size() - 7, 7, "springs") == 0;
-  return std::to_string(energy.element_count()) + (springs ? " springs" : " elements");
+  return std::to_string(count) + (springs ? " springs" : " elements");
 }
 
 std::string percent(double strain) {
@@ -170,27 +179,43 @@ Snapshot World::snapshot() const {
   return s;
 }
 
+std::vector<GraspReport> World::grasp_reports() const {
+  return parts_->grasps.reports();
+}
+
 std::vector<BillItem> World::bill() const {
   const Parts& w = *parts_;
   const CostWindow& cost = w.last_cost.steps > 0 ? w.last_cost : w.cost;
   const double total = cost.total() > 0.0 ? cost.total() : 1.0;
 
   std::vector<BillItem> bill;
+  // Terms of one name, of several bodies, are one line.
   std::vector<double> seconds;
+  std::vector<int> counts;
   double sum = 0.0;
   Nodes work = Nodes::Zero(3, w.model->node_count());
   for (const Energy* e : w.dynamics.energies) {
-    seconds.push_back(force_seconds(*e, w.state, &work));
-    sum += seconds.back();
+    const std::string name = e->name();
+    auto line = std::find_if(bill.begin(), bill.end(), [&](const BillItem& item) { return item.part == name; });
+    if (line == bill.end()) {
+      line = bill.insert(bill.end(), BillItem{name, "", 0.0});
+      seconds.push_back(0.0);
+      counts.push_back(0);
+    }
+    const auto k = static_cast<size_t>(line - bill.begin());
+    const double spent = force_seconds(*e, w.state, &work);
+    seconds[k] += spent;
+    counts[k] += e->element_count();
+    sum += spent;
   }
-  for (size_t i = 0; i < w.dynamics.energies.size(); ++i) {
-    const double share = sum > 0.0 ? cost.assembly / total * seconds[i] / sum : 0.0;
-    bill.push_back({w.dynamics.energies[i]->name(), counted(*w.dynamics.energies[i]), share});
+  for (size_t k = 0; k < bill.size(); ++k) {
+    bill[k].detail = counted(bill[k].part, counts[k]);
+    bill[k].share = sum > 0.0 ? cost.assembly / total * seconds[k] / sum : 0.0;
   }
   if (w.dynamics.pattern != nullptr) {
-    const bool direct = w.settings.solver.linear == SolverSettings::Linear::kDirect;
+    constexpr std::array<const char*, 4> kSolvers = {"direct", "conjugate gradient", "banded", "multigrid"};
     bill.push_back({"linear solver",
-                    std::string(direct ? "direct" : "conjugate gradient") + ", " +
+                    std::string(kSolvers[static_cast<size_t>(w.settings.solver.linear)]) + ", " +
                         std::to_string(w.pattern.block_count()) + " blocks of 3 x 3",
                     cost.solve / total});
   }

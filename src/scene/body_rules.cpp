@@ -63,6 +63,8 @@ void check_bending(const YamlValue& entry, const YamlValue* material, const std:
     only_with(&entry, path, {"rest_shape"}, "belongs to bending: hinges or quadratic");
     only_with(material, path + ".material", {"bending_rigidity"},
               "belongs to bending: hinges or quadratic; springs have bend_stiffness");
+    only_with(material, path + ".material", {"bending_damping"},
+              "belongs to bending: hinges or quadratic; springs have damping");
     return;
   }
   only_with(material, path + ".material", {"bend_stiffness"},
@@ -102,8 +104,19 @@ void check_rope(const YamlValue& entry, const std::string& path, const BodySpec&
     return;
   }
   only_with(&entry, path, {"natural_curvature", "natural_twist", "initial_twist", "start"}, "belongs to model: rod");
-  only_with(material, path + ".material", {"section", "shear_modulus", "bending_rigidity", "twist_rigidity"},
-            "belongs to model: rod");
+  if (body.rope.model == RopeModel::kUntwisted) {
+    only_with(material, path + ".material", {"section", "shear_modulus", "twist_rigidity"}, "belongs to model: rod");
+    only_with(material, path + ".material", {"stretch_stiffness", "bend_stiffness"},
+              "belongs to model: springs; this one has axial_stiffness and bending_rigidity");
+    const auto& rigidity = body.rope_material.bending_rigidity;
+    if (rigidity && (*rigidity)[0] != (*rigidity)[1]) {
+      refuse(*material->find("bending_rigidity"), path + ".material.bending_rigidity",
+             "model: untwisted is round: both values must be equal; model: rod tells them apart");
+    }
+    return;
+  }
+  only_with(material, path + ".material", {"bending_rigidity"}, "belongs to model: untwisted or rod");
+  only_with(material, path + ".material", {"section", "shear_modulus", "twist_rigidity"}, "belongs to model: rod");
 }
 
 void check_soft(const YamlValue& entry, const std::string& path, const BodySpec& body) {

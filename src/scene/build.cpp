@@ -19,6 +19,13 @@ constexpr std::array<std::array<double, 3>, 6> kPalette{{{{0.36, 0.61, 0.84}},
                                                          {{0.62, 0.53, 0.80}},
                                                          {{0.85, 0.78, 0.45}}}};
 
+// Segments that a wave of tension passes in a step. Beyond, what Newton's method leaves after four steps, each solved
+// to a tenth, is no motion of the rope: its end is off by a good part of its length within a second. Real ropes, named
+// and not made up, are held to a stricter one: to a hundredth.
+constexpr double kStiffRope = 200.0, kStiffRealRope = 20.0;
+constexpr int kRopeIterations = 20;    // at most: one or two are taken, more where a contact closes
+constexpr int kStiffIterations = 100;  // at most: ten to thirty are taken, more by long chains without bending
+
 [[noreturn]] void refuse_at(const Location& where, const std::string& what, Code code) {
   throw InputError(where.file + (where.line > 0 ? ":" + std::to_string(where.line) : "") + ": " + what, code);
 }
@@ -36,6 +43,17 @@ void add_air(const AirSpec& spec, const Parts& parts, Model* model) {
   }
   for (const Parts::Line& line : parts.lines) {
     model->energies.push_back(make_line_drag(line.segments, line.diameter, air));
+  }
+}
+
+/// One kind of springs of all bodies, a term for each body.
+void add_springs(const char* name, std::vector<SpringLink> SpringNetwork::*links, Parts* parts, Model* model) {
+  for (size_t k = 0; k < parts->springs.size(); ++k) {
+    if ((parts->springs[k].*links).empty()) continue;
+    model->energies.push_back(make_springs(name, parts->springs[k].*links, 0));
+    for (Parts::Grid& grid : parts->grids) {
+      if (grid.network == k) grid.replaces.push_back(model->energies.back().get());
+    }
   }
 }
 
@@ -178,6 +196,34 @@ void check_grasps(const std::vector<PlacedGrasp>& grasps, const Model& model) {
   }
 }
 
+bool is_stiff_rope(const BodySpec& body, double dt) {
+  if (body.kind != BodyKind::kRope) return false;
+  const double most = body.rope_material.name.empty() ? kStiffRope : kStiffRealRope;
+  return segments_per_second(body) * dt > most;
+}
+
+/// What the scene says, and what its ropes need where it says nothing. Beside other bodies a rope is factorised
+/// whatever its stiffness: in one conjugate gradient solve with them it would set the number of iterations of all.
+/// Ropes alone are always: that is the cheaper way, and Newton's method then takes as many steps as it needs, mostly
+/// one or two.
+SolverSettings solver_settings(const SceneSpec& spec) {
+  SolverSettings settings = spec.step.solver;
+  bool stiff = false, rope = false, ropes_alone = !spec.bodies.empty();
+  for (const BodySpec& body : spec.bodies) {
+    stiff = stiff || is_stiff_rope(body, spec.step.dt);
+    rope = rope || body.kind == BodyKind::kRope;
+    ropes_alone = ropes_alone && body.kind == BodyKind::kRope;
+  }
+  const bool banded = ropes_alone || stiff || (rope && spec.bodies.size() > 1);
+  if (banded && !spec.step.solver_given) settings.linear = SolverSettings::Linear::kBanded;
+  if (ropes_alone && !spec.step.solver_given && !spec.step.jacobian_given) settings.jacobian = Jacobian::kLagged;
+  if (!spec.step.iterations_given) {
+    if (ropes_alone) settings.newton_iterations = kRopeIterations;
+    if (stiff) settings.newton_iterations = kStiffIterations;
+  }
+  return settings;
+}
+
 }  // namespace
 
 std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
@@ -215,10 +261,14 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
   model->gravity = spec.gravity;
   model->notes = std::move(parts.notes);
   model->strain_limits = std::move(parts.strain_limits);
-  if (!parts.stretch.empty()) model->energies.push_back(make_springs("stretch springs", parts.stretch, 0));
-  if (!parts.shear.empty()) model->energies.push_back(make_springs("shear springs", parts.shear, 0));
-  if (!parts.bend.empty()) model->energies.push_back(make_springs("bend springs", parts.bend, 0));
+  add_springs("stretch springs", &SpringNetwork::stretch, &parts, model.get());
+  add_springs("shear springs", &SpringNetwork::shear, &parts, model.get());
+  add_springs("bend springs", &SpringNetwork::bend, &parts, model.get());
   for (auto& term : parts.terms) model->energies.push_back(std::move(term));
+  for (Parts::Grid& grid : parts.grids) {
+    grid.sheet.replaces = std::move(grid.replaces);
+    model->grids.push_back(std::move(grid.sheet));
+  }
   add_rods(spec, parts, model.get());
   fill_mass_matrix(parts, model.get());
   if (spec.gravity.squaredNorm() > 0.0) model->energies.push_back(make_gravity(weights_of(*model), spec.gravity));
@@ -231,7 +281,7 @@ std::unique_ptr<World> build_world(const SceneSpec& spec) {
   WorldSettings settings;
   settings.dt = spec.step.dt;
   settings.integrator = spec.step.integrator;
-  settings.solver = spec.step.solver;
+  settings.solver = solver_settings(spec);
   settings.grasp_max_speed = spec.grasp_max_speed;
   std::vector<Collider> colliders;
   for (const ColliderSpec& collider : spec.colliders) colliders.push_back(collider.collider);

@@ -90,6 +90,10 @@ SheetMaterial sheet_of(const BodySpec& spec) {
   return sheet;
 }
 
+double bending_damping(const BodySpec& spec) {
+  return spec.cloth_material.bending_damping.value_or(spec.cloth_material.damping);
+}
+
 BendingMaterial bending_material(const BodySpec& spec, const TriangleMesh& mesh) {
   const ClothMaterialSpec& material = spec.cloth_material;
   const std::array<double, 2> both = material.membrane();
@@ -100,11 +104,38 @@ BendingMaterial bending_material(const BodySpec& spec, const TriangleMesh& mesh)
   bending.warp = rigidity[0];
   bending.weft = rigidity[1];
   bending.poissons_ratio = ratio_in_range(material);
-  bending.damping = material.damping;
+  bending.damping = bending_damping(spec);
   const bool meshed = spec.cloth.rest_shape == RestShape::kAsMeshed && !mesh.is_grid();
   bending.rest = meshed ? BendingMaterial::Rest::kAsMeshed : BendingMaterial::Rest::kFlat;
   bending.creases = find_creases(mesh, spec.cloth.creases);
   return bending;
+}
+
+bool bends_by_differences(const BodySpec& spec, const TriangleMesh& mesh) {
+  return mesh.is_grid() && bending_of(spec) == ClothBending::kQuadratic;
+}
+
+void add_quadratic_bending(const BodySpec& spec, const TriangleMesh& mesh, int first_node, Parts* parts) {
+  const BendingMaterial bending = bending_material(spec, mesh);
+  if (!bends_by_differences(spec, mesh)) {
+    parts->terms.push_back(make_quadratic_bending(mesh, bending, first_node));
+    return;
+  }
+  parts->terms.push_back(make_quadratic_links("bending: quadratic", grid_bending_weights(mesh, bending),
+                                              bending_damping(spec), first_node));
+}
+
+/// What fast kernels see of a grid of springs.
+void add_grid(const BodySpec& spec, const TriangleMesh& mesh, const SpringNetwork& network, int first_node,
+              Parts* parts) {
+  std::vector<QuadraticWeight> weights;
+  std::vector<const Energy*> replaces;
+  if (bends_by_differences(spec, mesh)) {
+    weights = grid_bending_weights(mesh, bending_material(spec, mesh));
+    replaces.push_back(parts->terms.back().get());
+  }
+  auto sheet = make_grid_sheet(mesh, network, weights, bending_damping(spec), first_node);
+  if (sheet) parts->grids.push_back({std::move(*sheet), parts->springs.size() - 1, std::move(replaces)});
 }
 
 void add_bending(const BodySpec& spec, const TriangleMesh& mesh, int first_node, Parts* parts) {
@@ -115,7 +146,7 @@ void add_bending(const BodySpec& spec, const TriangleMesh& mesh, int first_node,
       parts->terms.push_back(make_bending(mesh, bending_material(spec, mesh), first_node));
       break;
     case ClothBending::kQuadratic:
-      parts->terms.push_back(make_quadratic_bending(mesh, bending_material(spec, mesh), first_node));
+      add_quadratic_bending(spec, mesh, first_node, parts);
       break;
   }
 }
@@ -156,17 +187,20 @@ void add_cloth(const BodySpec& spec, Body* body, Parts* parts) {
       spec.mesh.empty() ? make_grid(spec.size[0], spec.size[1], spec.cells[0], spec.cells[1])
                         : load_mesh(spec.mesh, spec.mesh_scale));
   std::vector<SpringLink> structural;
+  SpringNetwork network;
   if (spec.cloth.model == ClothModel::kMembrane) {
     add_membrane(spec, mesh, body, parts);
     structural = structural_edges(*mesh, material);
   } else {
-    const SpringNetwork network =
-        spec.cloth.model == ClothModel::kProvot ? provot_of(spec, *mesh) : springs_of(spec, *mesh);
+    network = spec.cloth.model == ClothModel::kProvot ? provot_of(spec, *mesh) : springs_of(spec, *mesh);
     append_network(network, body->first_node, parts);
     note_gap(spec, *mesh, network, parts);
     structural = network.stretch;
   }
   add_bending(spec, *mesh, body->first_node, parts);
+  if (mesh->is_grid() && spec.cloth.model != ClothModel::kMembrane) {
+    add_grid(spec, *mesh, network, body->first_node, parts);
+  }
   add_strain_edges(structural, body);
   if (spec.cloth.strain_limit) {
     const std::vector<StrainLimit> limits = strain_limits(structural, *spec.cloth.strain_limit, body->first_node);

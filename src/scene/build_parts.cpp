@@ -14,9 +14,11 @@ void append_links(const std::vector<SpringLink>& links, int first_node, std::vec
 }  // namespace
 
 void append_network(const SpringNetwork& network, int first_node, Parts* parts) {
-  append_links(network.stretch, first_node, &parts->stretch);
-  append_links(network.shear, first_node, &parts->shear);
-  append_links(network.bend, first_node, &parts->bend);
+  SpringNetwork placed;
+  append_links(network.stretch, first_node, &placed.stretch);
+  append_links(network.shear, first_node, &placed.shear);
+  append_links(network.bend, first_node, &placed.bend);
+  parts->springs.push_back(std::move(placed));
 }
 
 void add_strain_edges(const std::vector<SpringLink>& links, Body* body) {

@@ -42,12 +42,19 @@ struct Parts {
     RodRest rest;
     double initial_twist;  // rad/m
   };
-  std::vector<SpringLink> stretch, shear, bend;     // of cloth and ropes
+  std::vector<SpringNetwork> springs;               // of cloth and ropes, body by body
   std::vector<std::unique_ptr<Energy>> terms;       // all others, body by body
   std::vector<std::array<int, 3>> sheet_triangles;  // in the air on both sides
   std::vector<std::array<int, 3>> solid_triangles;  // in the air on one side
   std::vector<Line> lines;
   std::vector<Rod> rods;
+  /// A sheet on a grid beside the network and the terms it stands for.
+  struct Grid {
+    GridSheet sheet;
+    size_t network;                       // of `springs`
+    std::vector<const Energy*> replaces;  // among `terms`
+  };
+  std::vector<Grid> grids;
   std::vector<StrainLimit> strain_limits;
   std::vector<Eigen::Triplet<double>> mass_entries;  // of bodies with a consistent mass
   std::vector<std::string> notes;                    // where a model cannot represent what was asked
@@ -68,6 +75,8 @@ void append_triangles(const std::vector<std::array<int, 3>>& triangles, int firs
 
 void add_cloth(const BodySpec& spec, Body* body, Parts* parts);
 void add_rope(const BodySpec& spec, Body* body, Parts* parts);
+/// Segments of a rope that a wave of tension passes in a second: sqrt(EA / linear_density) / segment length, 1/s.
+double segments_per_second(const BodySpec& rope);
 void add_soft(const BodySpec& spec, Body* body, Parts* parts);
 
 /// The surface of its own that a body carries, where the scene names one.

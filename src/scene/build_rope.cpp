@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "build_parts.h"
+#include "deformable_sim/core/energy/terms.h"
 #include "features.h"
 
 namespace deformable_sim {
@@ -95,24 +96,40 @@ void add_rod(const BodySpec& spec, const Polyline& line, Body* body, Parts* part
   parts->rods.push_back(std::move(rod));
 }
 
+/// E A of a chain of springs, N.
+double chain_stiffness(const RopeMaterialSpec& m) {
+  return m.axial_stiffness.value_or(m.youngs_modulus * 0.25 * kPi * m.diameter * m.diameter);
+}
+
 void add_springs(const BodySpec& spec, const Polyline& line, Body* body, Parts* parts) {
   const RopeMaterialSpec& material = spec.rope_material;
   LineStiffness stiffness;
-  stiffness.axial =
-      material.axial_stiffness.value_or(material.youngs_modulus * 0.25 * kPi * material.diameter * material.diameter);
+  stiffness.axial = chain_stiffness(material);
   stiffness.stretch = material.stretch_stiffness;
-  stiffness.bend = material.bend_stiffness;
+  stiffness.bend = spec.rope.model == RopeModel::kUntwisted ? 0.0 : material.bend_stiffness;
   stiffness.damping_time = material.damping;
   const SpringNetwork network = line_network(line, stiffness);
   append_network(network, body->first_node, parts);
   add_strain_edges(network.stretch, body);
-  if (material.bending_rigidity) {
+  if (spec.rope.model == RopeModel::kUntwisted) {
+    parts->terms.push_back(make_line_bending(line, section_of(material).bend_1, material.damping, body->first_node));
+  }
+  if (material.bending_rigidity && spec.rope.model == RopeModel::kSprings) {
     parts->notes.push_back("body " + spec.name + ": a chain of springs has no bending and no twisting stiffness; " +
-                           material.name + " has; model: rod shows it");
+                           material.name + " has; model: untwisted or rod shows it");
   }
 }
 
 }  // namespace
+
+double segments_per_second(const BodySpec& rope) {
+  const RopeMaterialSpec& m = rope.rope_material;
+  const double segment = rope.length / rope.segments;
+  const double stiffness = rope.rope.model == RopeModel::kRod ? section_of(m).stretch
+                           : m.stretch_stiffness              ? *m.stretch_stiffness * segment
+                                                              : chain_stiffness(m);
+  return std::sqrt(stiffness / m.linear_density) / segment;
+}
 
 void add_rope(const BodySpec& spec, Body* body, Parts* parts) {
   const RopeMaterialSpec& material = spec.rope_material;

@@ -99,11 +99,15 @@ Eigen::VectorXd add_elements(const BodySpec& spec, const std::shared_ptr<const T
   body->stress = [mesh, material](const Nodes& x) { return solid_stress(*mesh, material, x); };
   const double factor = expected_bending_factor(*mesh, std::max(0.0, m.poissons_ratio));
   if (factor < kLocked) {
-    char text[200];
-    std::snprintf(text, sizeof text,
-                  ": linear tetrahedra bend about %.2g times too stiffly at this mesh and Poisson's ratio; more cells "
-                  "or element: quadratic_tetrahedron mend it",
-                  1.0 / factor);
+    char text[240];
+    std::snprintf(
+        text, sizeof text,
+        mesh->is_quadratic()
+            ? ": clamped at an end, a beam of these quadratic tetrahedra ten times as long as thick bends about "
+              "%.3g times too stiffly at this mesh and Poisson's ratio; more cells through the thickness mend it"
+            : ": linear tetrahedra bend about %.2g times too stiffly at this mesh and Poisson's ratio; more "
+              "cells or element: quadratic_tetrahedron mend it",
+        1.0 / factor);
     parts->notes.push_back("body " + spec.name + text);
   }
   if (material.law == SolidLaw::kHooke) parts->notes.push_back("body " + spec.name + ": " + kHookeNote);

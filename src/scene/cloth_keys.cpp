@@ -117,6 +117,8 @@ Table<ClothMaterialSpec> cloth_material_table() {
   t.optional_number("bend_stiffness", "N/m", &M::bend_stiffness, between(0, 1e9), "from the material",
                     "Stiffness of each bend spring (over two cells or segments, or across an edge); 0 = none.");
   t.number("damping", "s", &M::damping, between(0, 1), "Viscous over elastic stiffness of every spring or element.");
+  t.optional_number("bending_damping", "s", &M::bending_damping, between(0, 1), "damping",
+                    "Viscous over elastic moment of bending by hinges or quadratic.");
   t.optional_number("elastic_limit", "", &M::elastic_limit, above(0, 10), "none",
                     "Strain beyond which the law is not valid: ~status warns.");
   t.at_most_one_of({"youngs_modulus", "membrane_stiffness", "stretch_stiffness"});

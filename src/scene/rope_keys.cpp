@@ -22,8 +22,12 @@ void read_curvature(const YamlValue& v, const std::string& path, BodySpec* body)
 
 void add_model_keys(Table<BodySpec>* t) {
   const auto model = [](BodySpec& b) -> RopeModel& { return b.rope.model; };
-  add_choice(t, "model", model, Choices<RopeModel>{{"springs", RopeModel::kSprings}, {"rod", RopeModel::kRod}},
-             "springs", "springs: a chain; rod: a chain with frames that resists bending and twisting.");
+  add_choice(t, "model", model,
+             Choices<RopeModel>{
+                 {"springs", RopeModel::kSprings}, {"untwisted", RopeModel::kUntwisted}, {"rod", RopeModel::kRod}},
+             "springs",
+             "springs: a chain; untwisted: a chain with a bending rigidity, round, straight without load and free to "
+             "twist: some ten times faster than a rod; rod: a chain with frames that resists bending and twisting.");
   t->add({"natural_curvature", "number or [about y, about z]", "1/m", "0", between(-1000, 1000).text(),
           "Of a rod without load; one number bends it in the x-y plane of its pose, towards y."},
          read_curvature);

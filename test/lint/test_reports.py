@@ -108,5 +108,55 @@ class Study(unittest.TestCase):
             self.assertEqual(subprocess.call(script + ['--program', '/bin/false', '--', 'm']), 1)
 
 
+RUN = {'integrator': 'bdf2', 'linear_solver': 'cg', 'family': 'bdf2, cg 0.1 x 200, Newton 1', 'dt_s': 0.01, 'status': 'done', 'note': '',
+       'cpu_per_second': 0.5, 'position_error': 0.02, 'position_error_end': 0.01, 'time_error': 0.015, 'solver_error': None,
+       'energy_error': 0.1, 'measure_error': 0.01, 'strain_error': 0.03, 'grasp_error': None, 'force_evaluations_per_second': 100,
+       'newton_per_second': 50, 'linear_per_second': 70, 'unconverged_share': 0.5, 'settled': False}
+PRECISION = {'name': 'swing', 'title': 'a <swing>', 'seconds': 1, 'features': {'kind': 'rope', 'nodes': 7, 'stiffness_ratio': 40.8,
+                                                                             'explicit_steps_per_frame': 3.5},
+             'reference': {'method': 'rk4', 'reached': 1e-9, 'check_method': 'tr_bdf2', 'check_reached': 1e-6, 'check_difference': 1e-7,
+                           'resolution': 3e-5, 'halvings': []},
+             'mesh': {'position': 0.004, 'uncertain': 1e-4, 'how': 'bdf2'}, 'model': {'position': None, 'uncertain': None, 'how': 'no cloth'},
+             'picks': [{'wanted': 0.02, 'run': 0, 'why': ''}, {'wanted': 0.01, 'run': None, 'why': 'no run reached it'}], 'front': [0],
+             'left_out': ['rk4: not run; the budget ended it'],
+             'runs': [RUN, dict(RUN, position_error=1e-6), dict(RUN, status='diverged', note='no finite state', position_error=None,
+                                                                 cpu_per_second=None)]}
+
+
+class WorkPrecision(unittest.TestCase):
+    def setUp(self):
+        self.report = load('scripts/work_precision_report')
+
+    def test_the_page_marks_what_diverged_what_is_unresolved_and_what_did_not_converge(self):
+        page = self.report.scene_section(PRECISION, None)
+        for text in ('diverged: no finite state', '0.0001 % (unresolved)', 'Newton not converged in 50 % of the steps', 'mesh: 0.4 %',
+                     'model: not measured, no cloth', 'no run reached it', 'the budget ended it', 'python3-matplotlib'):
+            self.assertIn(text, page)
+        self.assertEqual(page.count('(unresolved)'), 1)
+
+    def test_orders_runs_by_error_with_what_diverged_at_the_end(self):
+        table = self.report.run_table(PRECISION)
+        places = [table.index(text) for text in ('(unresolved)', '>2 %<', 'no finite state')]
+        self.assertEqual(places, sorted(places))
+
+    def test_collects_a_suite_for_people_and_for_programs(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in (('swing.json', PRECISION), ('swing.summary.json', {'name': 'swing', 'front': []})):
+                with open(os.path.join(folder, name), 'w', encoding='utf-8') as stream:
+                    json.dump(text, stream)
+            study = self.report.write_scene(os.path.join(folder, 'swing'), None)
+            self.report.write_suite(folder, [study])
+            with open(os.path.join(folder, 'suite.html'), encoding='utf-8') as stream:
+                self.assertIn('bdf2, cg 0.1 x 200, Newton 1', stream.read())
+            with open(os.path.join(folder, 'suite.summary.json'), encoding='utf-8') as stream:
+                self.assertEqual(json.load(stream), [{'name': 'swing', 'front': []}])
+
+    def test_passes_the_exit_status_on_and_names_the_folder(self):
+        script = [sys.executable, os.path.join(ROOT, 'scripts/work_precision_report'), '--out', 'somewhere']
+        self.assertEqual(subprocess.call(script + ['--program', '/bin/false', '--', 'minimal']), 1)
+        said = subprocess.check_output(script + ['--program', '/bin/echo', '--', '--list'], universal_newlines=True)
+        self.assertEqual(said.split(), ['work_precision', '--list'])
+
+
 if __name__ == '__main__':
     unittest.main()

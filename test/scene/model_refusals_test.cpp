@@ -135,7 +135,8 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Rope, ModelRefusals,
     testing::Values(
-        Refusal{"model", rope("model: beam"), "s.yaml:4: bodies[0].rope.model: unknown 'beam'; allowed: springs, rod"},
+        Refusal{"model", rope("model: beam"),
+                "s.yaml:4: bodies[0].rope.model: unknown 'beam'; allowed: springs, untwisted, rod"},
         Refusal{"curved springs", rope("natural_curvature: 3"),
                 "s.yaml:4: bodies[0].rope.natural_curvature: belongs to model: rod"},
         Refusal{"twisted springs", rope("natural_twist: 3"),
@@ -143,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"start of springs", rope("start: straight"), "s.yaml:4: bodies[0].rope.start: belongs to model: rod"},
         Refusal{"start", rope("model: rod, start: bent"), "s.yaml:4: bodies[0].rope.start: unknown 'bent'"},
         Refusal{"rigidity of springs", rope("material: {bending_rigidity: 1}"),
-                "s.yaml:4: bodies[0].rope.material.bending_rigidity: belongs to model: rod"},
+                "s.yaml:4: bodies[0].rope.material.bending_rigidity: belongs to model: untwisted or rod"},
         Refusal{"twist of springs", rope("material: {twist_rigidity: 1}"),
                 "s.yaml:4: bodies[0].rope.material.twist_rigidity: belongs to model: rod"},
         Refusal{"section of springs", rope("material: {section: [0.01, 0.001]}"),
@@ -237,16 +238,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "bodies:\n  - soft: {name: a, mesh: " + mesh_path("meshes/soft_toy.obj") + ", lattice: {cell: 0}}\n",
                 "s.yaml:2: bodies[0].soft.lattice.cell: 0 is out of range"}));
 
-INSTANTIATE_TEST_SUITE_P(StepAndOutputs, ModelRefusals,
-                         testing::Values(Refusal{"jacobian", cloth("friction: 1") + "step: {jacobian: exact}\n",
-                                                 "s.yaml:5: step.jacobian: unknown 'exact'; allowed: projected, axial"},
-                                         Refusal{"color by stress of none",
-                                                 cloth("friction: 1") + "outputs: {color_by: stres}\n",
-                                                 "s.yaml:5: outputs.color_by: unknown 'stres'; did you mean 'stress'?"},
-                                         Refusal{"stress range", cloth("friction: 1") + "outputs: {stress_range: 0}\n",
-                                                 "s.yaml:5: outputs.stress_range: 0 is out of range"},
-                                         Refusal{"frames", cloth("friction: 1") + "outputs: {frames: 1}\n",
-                                                 "s.yaml:5: outputs.frames: must be true or false"}));
+INSTANTIATE_TEST_SUITE_P(
+    StepAndOutputs, ModelRefusals,
+    testing::Values(Refusal{"jacobian", cloth("friction: 1") + "step: {jacobian: exact}\n",
+                            "s.yaml:5: step.jacobian: unknown 'exact'; allowed: projected, lagged, axial"},
+                    Refusal{"color by stress of none", cloth("friction: 1") + "outputs: {color_by: stres}\n",
+                            "s.yaml:5: outputs.color_by: unknown 'stres'; did you mean 'stress'?"},
+                    Refusal{"stress range", cloth("friction: 1") + "outputs: {stress_range: 0}\n",
+                            "s.yaml:5: outputs.stress_range: 0 is out of range"},
+                    Refusal{"frames", cloth("friction: 1") + "outputs: {frames: 1}\n",
+                            "s.yaml:5: outputs.frames: must be true or false"}));
 
 }  // namespace
 }  // namespace deformable_sim

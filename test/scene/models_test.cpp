@@ -351,11 +351,15 @@ TEST(Notes, SayWhatAModelCannotRepresent) {
   };
   says("soft: {name: a, box: {size: [0.4, 0.1, 0.1], cells: [4, 1, 1]}, element: tetrahedron}",
        "linear tetrahedra bend about");
+  says(
+      "soft: {name: a, box: {size: [0.4, 0.1, 0.1], cells: [4, 1, 1]}, element: quadratic_tetrahedron, "
+      "material: {poissons_ratio: 0.49}}",
+      "quadratic tetrahedra ten times as long as thick bends about 1.16 times");
   says("soft: {name: a, box: {size: [0.4, 0.1, 0.1], cells: [4, 1, 1]}, element: quadratic_tetrahedron, law: hooke}",
        "small rotations");
   says("soft: {name: a, box: {size: [1, 1, 1], cells: [2, 2, 2]}, element: springs, material: {poissons_ratio: 0.4}}",
        "0.25");
-  says("rope: {name: a, material: nylon_rope}", "model: rod");
+  says("rope: {name: a, material: nylon_rope}", "or rod shows it");
   says("cloth: {name: a, material: cotton_voile}", "model: membrane");
   EXPECT_EQ(note("soft: {name: a, box: {size: [0.1, 0.1, 0.1], cells: [1, 1, 1]}, element: quadratic_tetrahedron}"),
             "");

@@ -1,6 +1,7 @@
 // A body under test: masses, terms and state in one place, without a World.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <utility>
@@ -79,6 +80,13 @@ class System {
  private:
   std::vector<std::unique_ptr<Energy>> terms_;
 };
+
+/// Schemes that make one step of the length they are given, whatever it is: all but substepped_verlet.
+inline std::vector<std::string> one_step_names() {
+  std::vector<std::string> names = integrator_names();
+  names.erase(std::remove(names.begin(), names.end(), "substepped_verlet"), names.end());
+  return names;
+}
 
 /// Implicit steps solved as exactly as double precision allows.
 inline SolverSettings exact_settings(double tolerance = 1e-9) {

@@ -44,6 +44,8 @@ const std::multimap<std::string, Case>& cases() {
   static const std::multimap<std::string, Case> all = {
       {"make_springs", {true, [] { return springs(0.0); }}},
       {"make_springs", {true, [] { return springs(2.5); }}},
+      {"make_line_bending", {true, [] { return make_line_bending(make_line(4.0, 4), 30.0, 0.0, 0); }}},
+      {"make_line_bending", {true, [] { return make_line_bending(make_ring(1.0, 5), 30.0, 0.2, 0); }}},
       {"make_gravity",
        {true, [] { return make_gravity(Eigen::VectorXd::LinSpaced(kNodes, 0.1, 2.0), Vec3(1, 2, -9.81)); }}},
       {"make_mass_damping",

@@ -89,6 +89,41 @@ TEST(WarmStep, AllocatesNothingForSheetsAsContinua) {
   EXPECT_EQ(allocations, 0);
 }
 
+TEST(WarmStep, AllocatesNothingForRopesSolvedDirectly) {
+  // A chain with bending, a closed one, and a sheet that is left to conjugate gradients; alone and beside each other.
+  for (const bool sheet : {false, true}) {
+    const Polyline line = make_line(1.0, 12), ring = make_ring(1.0, 9);
+    LineStiffness along;
+    along.axial = 1e3;
+    SheetStiffness stiffness;
+    stiffness.membrane = 100.0;
+    const TriangleMesh mesh = make_grid(0.3, 0.3, 11, 11);
+    const Eigen::Index points = line.rest.cols() + ring.rest.cols(), all = points + (sheet ? mesh.rest.cols() : 0);
+    Nodes x(3, all);
+    x.leftCols(points) << line.rest, ring.rest;
+    if (sheet) x.rightCols(mesh.rest.cols()) = mesh.rest;
+    System body(x, Eigen::VectorXd::Constant(all, 1e-3));
+    const int first_of_ring = static_cast<int>(line.rest.cols());
+    body.add(make_springs("line", line_network(line, along).stretch, 0));
+    body.add(make_line_bending(line, 1e-5, 1e-3, 0)).add(make_line_bending(ring, 1e-5, 0.0, first_of_ring));
+    body.add(make_springs("ring", line_network(ring, along).stretch, first_of_ring));
+    if (sheet) body.add(make_springs("sheet", sheet_network(mesh, stiffness).stretch, static_cast<int>(points)));
+    body.add_gravity().hold(0);
+    SolverSettings settings;
+    settings.linear = SolverSettings::Linear::kBanded;
+    settings.jacobian = Jacobian::kLagged;
+    settings.newton_iterations = 20;
+    const auto integrator = make_integrator("bdf2", settings);
+    for (int k = 0; k < 10; ++k) body.step(*integrator, 1e-3);
+    allocations = 0;
+    counting = true;
+    for (int k = 0; k < 10; ++k) body.step(*integrator, 1e-3);
+    counting = false;
+    EXPECT_EQ(allocations, 0) << sheet;
+    EXPECT_TRUE(body.state.finite());
+  }
+}
+
 TEST_P(WarmStep, AllocatesNothingWithAMassMatrixAndAMovingHolder) {
   const TriangleMesh mesh = make_grid(0.3, 0.3, 4, 4);
   SheetStiffness stiffness;

@@ -55,6 +55,29 @@ TEST(Snapshot, CountsElasticEnergyWithTheBodyItBelongsTo) {
   EXPECT_NEAR(s.bodies[1].elastic_energy, 0.2, 1e-12);
 }
 
+TEST(Snapshot, CountsKineticEnergyByTheMassMatrixItMovesWith) {
+  // v^T M v / 2 of a bar with M = m/6 [2 1; 1 2]: ends at 1 m/s, m/2 together, m/6 apart (m/2 if lumped); m = 0.2 kg.
+  Nodes x = Nodes::Zero(3, 4);
+  x.row(0) << 0.0, 0.1, 1.0, 1.1;
+  auto model = test::points_model(x, 0.1, Vec3::Zero());
+  model->bodies[0].node_count = 2;
+  Body second = model->bodies[0];
+  second.name = "second";
+  second.first_node = 2;
+  model->bodies.push_back(second);
+  model->initial.v.row(1) << 1.0, 1.0, 1.0, -1.0;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < 4; ++i) {
+    entries.emplace_back(i, i, 0.2 / 3.0);
+    entries.emplace_back(i, i ^ 1, 0.2 / 6.0);
+  }
+  model->mass_matrix.resize(4, 4);
+  model->mass_matrix.setFromTriplets(entries.begin(), entries.end());
+  const Snapshot s = World(model, WorldSettings(), {}, {}).snapshot();
+  EXPECT_NEAR(s.bodies[0].kinetic_energy, 0.1, 1e-15);
+  EXPECT_NEAR(s.bodies[1].kinetic_energy, 0.2 / 6.0, 1e-15);
+}
+
 TEST(NodeStrain, IsTheLargestOfTheEdgesAtTheNode) {
   // l / L - 1 along a chain of two edges stretched by +10 % and -20 %.
   Nodes x = Nodes::Zero(3, 4);

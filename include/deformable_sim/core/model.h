@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "deformable_sim/core/energy/energy.h"
+#include "deformable_sim/core/grid/grid_sheet.h"
 #include "deformable_sim/core/state.h"
 #include "deformable_sim/core/topology/polyline.h"
 #include "deformable_sim/core/topology/skin.h"
@@ -66,6 +67,7 @@ struct Model {
   Eigen::SparseMatrix<double> mass_matrix;  // n x n, kg, consistent; empty: the masses above, lumped
   Vec3 gravity{0, 0, -9.81};                // m/s^2; also present as an Energy when not zero
   std::vector<std::unique_ptr<Energy>> energies;
+  std::vector<GridSheet> grids;  // the sheets on regular grids, as fast kernels see them
   std::vector<StrainLimit> strain_limits;
   std::vector<std::string> notes;  // where a model cannot represent what was asked: shown among the warnings
   State initial;

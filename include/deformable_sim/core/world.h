@@ -55,6 +55,8 @@ class World {
   std::shared_ptr<const Model> shared_model() const;
   const WorldSettings& settings() const;
   Snapshot snapshot() const;
+  /// Of the snapshot, the grasps alone.
+  std::vector<GraspReport> grasp_reports() const;
   std::vector<BillItem> bill() const;
 
  private:

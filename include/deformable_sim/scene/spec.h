@@ -48,6 +48,7 @@ struct ClothMaterialSpec {
   std::optional<double> shear_stiffness;                    // springs: N/m each (grids)
   std::optional<double> bend_stiffness;                     // springs: N/m each
   double damping = 0.002;                                   // s: viscous over elastic stiffness
+  std::optional<double> bending_damping;                    // s: the same of bending; none: damping
   std::optional<double> elastic_limit;                      // strain beyond which the law is said not to hold
 
   /// E h, N/m.
@@ -94,7 +95,7 @@ struct RopeMaterialSpec {
   std::optional<double> elastic_limit;                    // strain beyond which the law is said not to hold
 };
 
-enum class RopeModel { kSprings, kRod };
+enum class RopeModel { kSprings, kUntwisted, kRod };
 enum class RopeStart { kNatural, kStraight };
 
 struct RopeModelSpec {
@@ -204,8 +205,10 @@ struct AirSpec {
 struct StepSpec {
   double dt = 0.01;  // s
   std::string integrator = "implicit_euler";
-  SolverSettings solver;  // keys: linear_solver (direct | cg), newton_iterations, tolerance, linear_tolerance,
-                          // linear_iterations, jacobian (projected | axial)
+  SolverSettings solver;  // keys: linear_solver (direct | cg | banded), newton_iterations, tolerance, linear_tolerance,
+                          // linear_iterations, jacobian (projected | lagged | axial)
+  // linear_solver, newton_iterations, jacobian: else build_world() decides
+  bool solver_given = false, iterations_given = false, jacobian_given = false;
 };
 
 struct OutputSpec {

@@ -7,7 +7,8 @@ namespace {
 /// E = -sum m g.x, f = m g.
 class Gravity : public Energy {
  public:
-  Gravity(const Eigen::VectorXd& mass, const Vec3& gravity) : mass_(mass), gravity_(gravity) {}
+  Gravity(const Eigen::VectorXd& mass, const Vec3& gravity)
+      : mass_(mass), gravity_(gravity), mass_force_{gravity, 0.0} {}
   std::string name() const override { return "gravity"; }
   int element_count() const override { return static_cast<int>(mass_.size()); }
   double value(const State& s) const override { return -gravity_.dot(s.x * mass_); }
@@ -15,16 +16,18 @@ class Gravity : public Energy {
   void add_pattern(std::vector<std::array<int, 2>>*) const override {}
   void bind(const BlockMatrix&) override {}
   void add_jacobian(const State&, double, double, Jacobian, BlockMatrix*) const override {}
+  const MassForce* mass_force() const override { return &mass_force_; }
 
  private:
   Eigen::VectorXd mass_;
   Vec3 gravity_;
+  MassForce mass_force_;
 };
 
 /// f = -rate m v, the same for all nodes of a mass: damps rigid motion too.
 class MassDamping : public Energy {
  public:
-  MassDamping(const Eigen::VectorXd& mass, double rate) : coefficient_(rate * mass) {}
+  MassDamping(const Eigen::VectorXd& mass, double rate) : coefficient_(rate * mass), mass_force_{Vec3::Zero(), rate} {}
   std::string name() const override { return "mass damping"; }
   int element_count() const override { return static_cast<int>(coefficient_.size()); }
   double value(const State&) const override { return 0.0; }
@@ -38,9 +41,11 @@ class MassDamping : public Energy {
       a->block(a->diagonal_slot(i)).diagonal().array() += dv * coefficient_[i];
     }
   }
+  const MassForce* mass_force() const override { return &mass_force_; }
 
  private:
   Eigen::VectorXd coefficient_;  // N s/m
+  MassForce mass_force_;
 };
 
 }  // namespace

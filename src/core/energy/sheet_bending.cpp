@@ -78,8 +78,8 @@ Eigen::Vector4d flat_weights(const TriangleMesh& mesh, const std::array<int, 4>&
           inverse2};
 }
 
-std::unique_ptr<Energy> quadratic_links(const TriangleMesh& mesh, const PlateMesh& plate, const Mat3& stiffness,
-                                        int first_node) {
+std::vector<QuadraticWeight> quadratic_weights(const TriangleMesh& mesh, const PlateMesh& plate,
+                                               const Mat3& stiffness) {
   // E = 1/2 sum_ij Q_ij x_i.x_j with Q's rows summing to zero = -1/2 sum_i<j Q_ij |x_i - x_j|^2.
   std::map<std::array<int, 2>, double> weights;
   for (const PlatePatch& patch : plate.patches) {
@@ -98,11 +98,17 @@ std::unique_ptr<Energy> quadratic_links(const TriangleMesh& mesh, const PlateMes
       }
     }
   }
-  std::vector<ElementEnergy<QuadraticLink>::Element> links;
+  std::vector<QuadraticWeight> links;
   links.reserve(weights.size());
-  for (const auto& [pair, weight] : weights) links.push_back({{pair[0] + first_node, pair[1] + first_node}, {weight}});
-  return std::make_unique<ElementEnergy<QuadraticLink>>("bending: quadratic", std::move(links),
-                                                        QuadraticLink::Parameters{});
+  for (const auto& [pair, weight] : weights) links.push_back({pair[0], pair[1], weight});
+  return links;
+}
+
+void check_flat(const BendingMaterial& material) {
+  check_material(material);
+  if (material.rest != BendingMaterial::Rest::kFlat || !material.creases.empty()) {
+    throw InputError("quadratic bending is flat at rest; rest angles as meshed and creases need the hinge angles");
+  }
 }
 
 }  // namespace
@@ -116,15 +122,23 @@ std::unique_ptr<Energy> make_bending(const TriangleMesh& mesh, const BendingMate
                                         PlateBending::Part::kElasticAndViscous, first_node);
 }
 
+std::unique_ptr<Energy> make_quadratic_links(const std::string& name, const std::vector<QuadraticWeight>& weights,
+                                             double damping, int first_node) {
+  std::vector<ElementEnergy<QuadraticLink>::Element> links;
+  links.reserve(weights.size());
+  for (const QuadraticWeight& w : weights) {
+    links.push_back({{w.a + first_node, w.b + first_node}, {w.weight, damping * w.weight}});
+  }
+  return std::make_unique<ElementEnergy<QuadraticLink>>(name, std::move(links), QuadraticLink::Parameters{});
+}
+
 std::unique_ptr<Energy> make_quadratic_bending(const TriangleMesh& mesh, const BendingMaterial& material,
                                                int first_node) {
-  check_material(material);
-  if (material.rest != BendingMaterial::Rest::kFlat || !material.creases.empty()) {
-    throw InputError("quadratic bending is flat at rest; rest angles as meshed and creases need the hinge angles");
-  }
+  check_flat(material);
   const Mat3 stiffness = plate_stiffness(material);
   PlateMesh plate = plate_mesh(mesh, stiffness, direction_that_matters(stiffness, material.warp_direction));
-  std::unique_ptr<Energy> links = quadratic_links(mesh, plate, stiffness, first_node);
+  std::unique_ptr<Energy> links =
+      make_quadratic_links("bending: quadratic", quadratic_weights(mesh, plate, stiffness), 0.0, first_node);
   if (material.damping == 0.0) return links;
   const size_t hinges = plate.hinges.size();
   auto dampers = std::make_unique<PlateBending>(std::move(plate), stiffness, std::vector<double>(hinges, 0.0),

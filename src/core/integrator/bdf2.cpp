@@ -4,7 +4,6 @@
 //   x_base = x0 + w^2 / (1 + 2 w) (x0 - x_before),   the same for a and v [Hairer 1993, III.5].
 #include <limits>
 
-#include "deformable_sim/core/integrator/implicit_stage.h"
 #include "deformable_sim/core/integrator/schemes.h"
 #include "scheme_parts.h"
 
@@ -15,19 +14,19 @@ constexpr double kMostGrowth = 2.0;  // of the step; beyond 1 + sqrt(2) the form
 
 class Bdf2 : public Integrator {
  public:
-  explicit Bdf2(const SolverSettings& settings) : stage_(settings) {}
+  explicit Bdf2(const SolverSettings& settings) : stage_(make_stage_solver(settings)) {}
 
   std::string name() const override { return "bdf2"; }
   Needs needs() const override { return {true}; }
   int order() const override { return 2; }
   double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
-  void reset() override { stage_.reset(); }
+  void reset() override { stage_->reset(); }
 
   StepReport advance(double dt, Dynamics* d, State* s) override {
     x_start_ = s->x;
     v_start_ = s->v;
     const bool known = s->x_before.cols() == s->x.cols() && s->dt_before > 0.0 && dt <= kMostGrowth * s->dt_before;
-    const StepReport report = known ? two_step(dt, d, s) : start_.advance(dt, &stage_, d, s);
+    const StepReport report = known ? two_step(dt, d, s) : start_.advance(dt, stage_.get(), d, s);
     s->x_before = x_start_;
     s->v_before = v_start_;
     s->dt_before = dt;
@@ -57,17 +56,17 @@ class Bdf2 : public Integrator {
     equation.x_base = &x_base_;
     equation.v_base = &v_base_;
     equation.duration = equation.contact_unit = dt;
-    StepReport report = stage_.solve(equation, *s, *d);
-    stage_.report_contacts(&d->contacts);
-    take_reactions(stage_.outer_force(), &d->kinematics);
-    std::swap(stage_.end().x, s->x);
-    std::swap(stage_.end().v, s->v);
+    StepReport report = stage_->solve(equation, *s, *d);
+    stage_->report_contacts(&d->contacts);
+    take_reactions(stage_->outer_force(), &d->kinematics);
+    std::swap(stage_->end().x, s->x);
+    std::swap(stage_->end().v, s->v);
     s->time += dt;
     report.converged = report.converged && s->finite();
     return report;
   }
 
-  ImplicitStage stage_;
+  std::unique_ptr<StageSolver> stage_;
   TrBdf2Step start_;
   Nodes x_start_, v_start_, x_base_, v_base_;
 };

@@ -1,17 +1,10 @@
 #include "deformable_sim/core/integrator/explicit_step.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace deformable_sim {
-namespace {
-
-constexpr int kContactPasses = 8;  // contacts that share nodes push each other; one pass would do otherwise
-
-}  // namespace
 
 void ExplicitStep::begin(double dt, Dynamics* d, const State& s) {
   dt_ = dt;
+  force_evaluations_ = 0;
   dynamics_ = d;
   const Kinematics& k = d->kinematics;
   const auto held = static_cast<Eigen::Index>(k.node.size());
@@ -36,6 +29,7 @@ void ExplicitStep::begin(double dt, Dynamics* d, const State& s) {
 void ExplicitStep::acceleration(const State& s, double weight, Nodes* a) {
   force_.setZero(3, s.x.cols());
   for (const Energy* energy : dynamics_->energies) energy->add_force(s, &force_);
+  ++force_evaluations_;
   if (dynamics_->mass_matrix != nullptr) {
     *a = force_ + prescribed_inertia_;
     mass_factor_->solve(a);
@@ -64,11 +58,17 @@ void ExplicitStep::prescribe(double fraction, State* s) const {
 
 StepReport ExplicitStep::finish(double drift, State* s) {
   prescribe(1.0, s);
-  resolve_contacts(drift, s);
+  if (!dynamics_->contacts.empty()) {
+    contacts_.resolve(dynamics_->contacts, inverse_mass_, dt_, drift, s);
+    for (size_t i = 0; i < dynamics_->contacts.size(); ++i) {
+      dynamics_->contacts[i].force = contacts_.impulse(i, dynamics_->contacts) / dt_;
+    }
+  }
   find_reactions(*s);
   s->time += dt_;
   StepReport report;
   report.converged = s->finite();
+  report.force_evaluations = force_evaluations_;
   return report;
 }
 
@@ -86,68 +86,6 @@ void ExplicitStep::find_reactions(const State& s) {
     for (Eigen::SparseMatrix<double>::InnerIterator it(*dynamics_->mass_matrix, node); it; ++it) {
       k.reaction.col(i) += it.value() / dt_ * (s.v.col(it.row()) - v_start_.col(it.row()));
     }
-  }
-}
-
-void ExplicitStep::resolve_contacts(double drift, State* s) {
-  ContactConstraints& constraints = dynamics_->contacts;
-  contacts_.clear();
-  for (ContactConstraint& c : constraints) {
-    c.force.setZero();
-    double compliance = 0.0;
-    for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
-      compliance += c.weight[k] * c.weight[k] * inverse_mass_[c.node[k]];
-    }
-    contacts_.push_back({compliance > 0.0 ? 1.0 / compliance : 0.0, 0.0, Vec3::Zero()});
-  }
-  for (int pass = 0; pass < kContactPasses; ++pass) {
-    for (size_t i = 0; i < constraints.size(); ++i) {
-      if (contacts_[i].mass > 0.0) resolve(constraints[i], drift, &contacts_[i], s);
-    }
-  }
-  for (size_t i = 0; i < constraints.size(); ++i) {
-    constraints[i].force = (contacts_[i].normal * constraints[i].normal + contacts_[i].friction) / dt_;
-  }
-}
-
-void ExplicitStep::resolve(const ContactConstraint& c, double drift, Contact* contact, State* s) const {
-  Vec3 point = Vec3::Zero(), velocity = -c.surface_velocity;
-  for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
-    point += c.weight[k] * s->x.col(c.node[k]);
-    velocity += c.weight[k] * s->v.col(c.node[k]);
-  }
-  // A scheme whose positions follow the old velocity must see the crossing of the next step in this one.
-  const double gap = c.normal.dot(point) - c.offset, ahead = (1.0 - drift) * dt_;
-  const double normal_velocity = c.normal.dot(velocity);
-  if (gap + ahead * normal_velocity >= 0.0 && contact->normal == 0.0) return;
-
-  if (gap < 0.0) add_to_positions(c, Vec3(-gap * contact->mass * c.normal), s);
-  const double allowed = ahead > 0.0 ? -std::max(gap, 0.0) / ahead : 0.0;
-  const double impulse = std::max(0.0, contact->normal + contact->mass * (allowed - normal_velocity));
-  add_to_velocities(c, Vec3((impulse - contact->normal) * c.normal), s);
-  contact->normal = impulse;
-
-  const Vec3 sliding = velocity - normal_velocity * c.normal;
-  Vec3 friction = contact->friction - contact->mass * sliding;
-  const double size = friction.norm(), most = c.friction * contact->normal;
-  if (size > most) friction *= most / size;
-  const Vec3 change = friction - contact->friction;
-  contact->friction = friction;
-  add_to_velocities(c, change, s);
-  add_to_positions(c, Vec3(drift * dt_ * change), s);
-}
-
-/// v += impulse / m, in N s, shared by the nodes of the point.
-void ExplicitStep::add_to_velocities(const ContactConstraint& c, const Vec3& impulse, State* s) const {
-  for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
-    s->v.col(c.node[k]) += (c.weight[k] * inverse_mass_[c.node[k]]) * impulse;
-  }
-}
-
-/// x += moment / m, in kg m, shared by the nodes of the point.
-void ExplicitStep::add_to_positions(const ContactConstraint& c, const Vec3& moment, State* s) const {
-  for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
-    s->x.col(c.node[k]) += (c.weight[k] * inverse_mass_[c.node[k]]) * moment;
   }
 }
 

@@ -1,7 +1,6 @@
 // Implicit (backward) Euler by Newton's method.
 #include <limits>
 
-#include "deformable_sim/core/integrator/implicit_stage.h"
 #include "deformable_sim/core/integrator/schemes.h"
 #include "scheme_parts.h"
 
@@ -10,23 +9,23 @@ namespace {
 
 class ImplicitEuler : public Integrator {
  public:
-  explicit ImplicitEuler(const SolverSettings& settings) : stage_(settings) {}
+  explicit ImplicitEuler(const SolverSettings& settings) : stage_(make_stage_solver(settings)) {}
 
   std::string name() const override { return "implicit_euler"; }
   Needs needs() const override { return {true}; }
   int order() const override { return 1; }
   double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
-  void reset() override { stage_.reset(); }
+  void reset() override { stage_->reset(); }
 
-  StepReport advance(double dt, Dynamics* d, State* s) override { return implicit_euler_step(dt, &stage_, d, s); }
+  StepReport advance(double dt, Dynamics* d, State* s) override { return implicit_euler_step(dt, stage_.get(), d, s); }
 
  private:
-  ImplicitStage stage_;
+  std::unique_ptr<StageSolver> stage_;
 };
 
 }  // namespace
 
-StepReport implicit_euler_step(double dt, ImplicitStage* stage, Dynamics* d, State* s) {
+StepReport implicit_euler_step(double dt, StageSolver* stage, Dynamics* d, State* s) {
   StageEquation equation;
   equation.tau = equation.duration = equation.contact_unit = dt;
   equation.x_base = &s->x;

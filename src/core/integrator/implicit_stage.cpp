@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "deformable_sim/core/integrator/cpu_time.h"
 
@@ -13,6 +14,7 @@ constexpr double kMostGrowth = 1.5;  // ... or leave this much of it
 constexpr double kInexact = 0.3;     // beyond this, the secant is tried
 constexpr double kFarthest = 4.0;    // of a secant, in units of the Newton step
 constexpr double kLeastLeft = 1.0 - 1.0 / kFarthest;
+constexpr int kMostFullSteps = 10;      // two or three are enough when they are good at all
 constexpr int kHalvings = 8;            // of a Newton step, at most
 constexpr double kLinearShare = 0.3;    // of the Newton tolerance that the linear solve may leave
 constexpr double kAtRest = 1e-3;        // of the tolerance: below, a step may take no Newton iteration at all
@@ -30,38 +32,61 @@ void add_product(const Eigen::SparseMatrix<double>& mass, const Nodes& a, Nodes*
 
 }  // namespace
 
+void ImplicitStage::find_force(const State& s, const Dynamics& d, Nodes* f) {
+  f->setZero(3, s.x.cols());
+  for (const Energy* energy : d.energies) energy->add_force(s, f);
+}
+
 StepReport ImplicitStage::solve(const StageEquation& equation, const State& start, const Dynamics& d) {
   StepReport report;
-  const double began = thread_cpu_time();
+  lap_ = thread_cpu_time();
   begin(equation, start, d);
-  report.residual = start_iteration();
-  report.seconds_assembly = thread_cpu_time() - began;
+  report.residual = full_steps_ ? start_full_steps() : start_iteration();
+  report.seconds_assembly = lap();
   const double enough = settings_.tolerance;
   report.converged = report.residual <= kAtRest * enough;
   const int most = settings_.newton_iterations;
   for (int k = 0; k < most || (k < kRoughShare * most && is_rough(report)); ++k) {
     if (report.converged) break;
-    assemble(&report);
-    if (!solve_linear(&report)) break;
-    const double search = thread_cpu_time();
-    search_along_step();
+    if (full_steps_ && k == kMostFullSteps) report.residual = leave_full_steps();
+    assemble();
+    report.seconds_assembly += lap();
+    const bool moves = solve_linear(&report);
+    report.seconds_solve += lap();
+    if (!moves) break;
+    if (full_steps_) {
+      take_full_step();
+    } else {
+      search_along_step();
+    }
     if (!contacts_.empty() && k < kFrictionIterations) {
       contacts_.update_normal_forces(trial_.x);
       add_contacts();
     }
-    report.seconds_assembly += thread_cpu_time() - search;
     ++report.newton_iterations;
-    report.residual = unbalanced(residual_);
+    report.residual = full_steps_ ? left_over() : unbalanced(residual_);
     report.converged = report.residual <= enough;
+    // What left_over() has found: a next step starts from the better for it, and holders feel less of what is left.
+    if (full_steps_ && report.converged) take_full_step();
+    report.seconds_assembly += lap();
   }
   if (!report.converged) contacts_.push_out(kDeep, inverse_mass_, &trial_.x);
   find_velocities();
+  report.force_evaluations = force_evaluations_;
   return report;
+}
+
+/// Thread CPU time since it was last asked for, s.
+double ImplicitStage::lap() {
+  const double now = thread_cpu_time(), passed = now - lap_;
+  lap_ = now;
+  return passed;
 }
 
 void ImplicitStage::begin(const StageEquation& equation, const State& start, const Dynamics& d) {
   equation_ = equation;
   tau_ = equation.tau;
+  force_evaluations_ = 0;
   dynamics_ = &d;
   start_ = &start;
   const Eigen::Index n = start.x.cols();
@@ -83,6 +108,8 @@ void ImplicitStage::begin(const StageEquation& equation, const State& start, con
   step_.setZero(3, n);
   matrix_.renew(d, tau_);
   contacts_.begin(equation.contact_span(), start.x, trial_.x, inverse_mass_, d.contacts);
+  full_steps_ = settings_.jacobian == Jacobian::kLagged && !linearised_ && d.contacts.empty();
+  if (full_steps_) trial_.x_before = start.x;
   near_.clear();
   if (!d.contacts.empty() && equation.duration != tau_) find_near_nodes();
 }
@@ -108,8 +135,9 @@ double ImplicitStage::start_iteration() {
   } else {
     force_.setZero(3, start_->x.cols());
     for (const Energy* energy : dynamics_->energies) energy->add_force(*start_, &force_);
+    ++force_evaluations_;
   }
-  if (linearised_) linearise(settings_.jacobian == Jacobian::kProjected ? Jacobian::kExact : settings_.jacobian);
+  if (linearised_) linearise(settings_.jacobian == Jacobian::kAxial ? Jacobian::kAxial : Jacobian::kExact);
   guess();
   for (int node : matrix_.held()) step_.col(node).setZero();
   double moved = step_.squaredNorm();
@@ -129,6 +157,42 @@ double ImplicitStage::start_iteration() {
     evaluate();
   }
   return unbalanced(residual_);
+}
+
+/// Chooses where full Newton steps start: at the end of a motion with the last step's acceleration, or none where that
+/// is not known. Forces at the start would do in theory; what a stiff rope's solution leaves of them would not.
+double ImplicitStage::start_full_steps() {
+  const State& s = *start_;
+  before_ = trial_.x;
+  step_ = tau_ * *equation_.v_base;
+  if (equation_.x_base != &s.x) step_ += *equation_.x_base - s.x;
+  if (s.v_before.cols() == s.v.cols() && s.dt_before > 0.0) {
+    step_ += (tau_ * tau_ / s.dt_before) * (s.v - s.v_before);
+  }
+  for (int node : matrix_.held()) step_.col(node).setZero();
+  trial_.x = before_ + step_;
+  evaluate();
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Back to where this stage began: a slack chain has folds that whole steps throw to and fro.
+double ImplicitStage::leave_full_steps() {
+  full_steps_ = false;
+  for (Eigen::Index i = 0; i < trial_.x.cols(); ++i) {
+    if (inverse_mass_[i] > 0.0) trial_.x.col(i) = start_->x.col(i);
+  }
+  return start_iteration();
+}
+
+void ImplicitStage::take_full_step() {
+  trial_.x += step_;
+  evaluate();
+}
+
+/// RMS acceleration (m/s^2) that another Newton step with the last factors would add; without factors, the residual.
+double ImplicitStage::left_over() {
+  if (!matrix_.solve_again(residual_, &step_)) return unbalanced(residual_);
+  return std::sqrt(step_.squaredNorm() / free_) / (tau_ * tau_);
 }
 
 /// step_: from the start to the explicit guess. In: force_ at the start.
@@ -162,6 +226,7 @@ void ImplicitStage::evaluate() {
   }
   force_.setZero(3, trial_.x.cols());
   for (const Energy* energy : dynamics_->energies) energy->add_force(trial_, &force_);
+  ++force_evaluations_;
   if (dynamics_->mass_matrix != nullptr) {
     base_ = -force_;
     if (equation_.more_force != nullptr) base_ -= *equation_.more_force;
@@ -222,20 +287,19 @@ double ImplicitStage::unbalanced(const Nodes& residual) const {
   return std::sqrt(sum / free_);
 }
 
-void ImplicitStage::assemble(StepReport* report) {
+void ImplicitStage::assemble() {
   if (linearised_ && assembled_ && contacts_.empty()) return;
-  const double start = thread_cpu_time();
   if (linearised_) {
     matrix_.blocks() = linear_;
     if (linear_kind_ == Jacobian::kExact) matrix_.make_symmetric();
     assembled_ = true;
   } else {
     matrix_.set_inertia(near_, equation_.duration);
-    matrix_.add_forces(trial_, 1.0, 1.0 / tau_, settings_.jacobian);
+    const bool lagged = settings_.jacobian == Jacobian::kLagged;
+    matrix_.add_forces(trial_, 1.0, 1.0 / tau_, lagged && !full_steps_ ? Jacobian::kProjected : settings_.jacobian);
   }
   if (!contacts_.empty()) contacts_.add_jacobian(trial_.x, &matrix_.blocks());
   matrix_.hold();
-  report->seconds_assembly += thread_cpu_time() - start;
 }
 
 /// step_ = A^-1 (-r). False when there is no solution to use.
@@ -245,12 +309,14 @@ bool ImplicitStage::solve_linear(StepReport* report) {
   tolerance.iterations = settings_.linear_iterations;
   tolerance.absolute = kLinearShare * settings_.tolerance;
   const LinearReport linear = matrix_.solve(residual_, inverse_mass_, tolerance, &step_, report);
+  full_steps_ = full_steps_ && linear.kept;
   if (linearised_ && !linear.definite && linear_kind_ == Jacobian::kExact) {
     force_.setZero(3, trial_.x.cols());
     for (const Energy* energy : dynamics_->energies) energy->add_force(*start_, &force_);
+    ++force_evaluations_;
     linearise(Jacobian::kProjected);
     evaluate();
-    assemble(report);
+    assemble();
     matrix_.solve(residual_, inverse_mass_, tolerance, &step_, report);
   }
   return step_.allFinite();

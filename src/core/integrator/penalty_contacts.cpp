@@ -124,17 +124,13 @@ void PenaltyContacts::add_force(const Nodes& x, Nodes* f) const {
 }
 
 void PenaltyContacts::add_jacobian(const Nodes& x, BlockMatrix* a) {
-  for (Contact& c : contacts_) {
-    const Vec3 p = point(c, x);
-    if (gap(c, p) >= 0.0 || c.stiffness == 0.0) continue;
-    const Mat3 h = jacobian(&c, p);
-    for (size_t i = 0; i < static_cast<size_t>(c.plane.count); ++i) {
-      for (size_t j = 0; j < static_cast<size_t>(c.plane.count); ++j) {
-        const int slot = a->slot(c.plane.node[i], c.plane.node[j]);
-        a->block(slot) += c.plane.weight[i] * c.plane.weight[j] * h;
+  for_each_jacobian(x, [a](const ContactConstraint& c, const Mat3& h) {
+    for (size_t i = 0; i < static_cast<size_t>(c.count); ++i) {
+      for (size_t j = 0; j < static_cast<size_t>(c.count); ++j) {
+        a->block(a->slot(c.node[i], c.node[j])) += c.weight[i] * c.weight[j] * h;
       }
     }
-  }
+  });
 }
 
 void PenaltyContacts::report(const Nodes& x, ContactConstraints* constraints) const {

@@ -20,6 +20,7 @@ constexpr Entry kEntries[] = {
     {"implicit_midpoint", [](const SolverSettings& settings) { return make_implicit_midpoint(settings); }},
     {"bdf2", [](const SolverSettings& settings) { return make_bdf2(settings); }},
     {"tr_bdf2", [](const SolverSettings& settings) { return make_tr_bdf2(settings); }},
+    {"substepped_verlet", [](const SolverSettings& settings) { return make_substepped_verlet(settings); }},
 };
 
 }  // namespace

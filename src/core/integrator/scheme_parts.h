@@ -1,12 +1,12 @@
 // Steps and bookkeeping that several implicit schemes share.
 #pragma once
 
-#include "deformable_sim/core/integrator/implicit_stage.h"
+#include "deformable_sim/core/integrator/stage_solver.h"
 
 namespace deformable_sim {
 
 /// One step of implicit Euler.
-StepReport implicit_euler_step(double dt, ImplicitStage* stage, Dynamics* d, State* s);
+StepReport implicit_euler_step(double dt, StageSolver* stage, Dynamics* d, State* s);
 
 /// Reactions from the outer force (3 x nodes, N) of one stage.
 inline void take_reactions(const Nodes& outer_force, Kinematics* kinematics) {
@@ -27,11 +27,11 @@ void average_reactions(double dt, const Nodes& v0, const Nodes& v1, const Nodes&
 /// The two stages of TR-BDF2, see tr_bdf2.cpp.
 class TrBdf2Step {
  public:
-  StepReport advance(double dt, ImplicitStage* stage, Dynamics* d, State* s);
+  StepReport advance(double dt, StageSolver* stage, Dynamics* d, State* s);
 
  private:
-  StepReport first_stage(double dt, ImplicitStage* stage, Dynamics* d, State* s);
-  StepReport second_stage(double dt, ImplicitStage* stage, Dynamics* d, const State& s);
+  StepReport first_stage(double dt, StageSolver* stage, Dynamics* d, State* s);
+  StepReport second_stage(double dt, StageSolver* stage, Dynamics* d, const State& s);
 
   State middle_;   // at t + gamma dt
   Nodes v_start_;  // before prescribed nodes took up the speed of this step

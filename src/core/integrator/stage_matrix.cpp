@@ -2,13 +2,25 @@
 
 #include <cassert>
 
-#include "deformable_sim/core/integrator/cpu_time.h"
-
 namespace deformable_sim {
+namespace {
 
-StageMatrix::StageMatrix(const SolverSettings& settings)
-    : solver_(settings.linear == SolverSettings::Linear::kDirect ? make_direct_solver()
-                                                                 : make_conjugate_gradient_solver()) {}
+std::unique_ptr<LinearSolver> make_solver(SolverSettings::Linear linear) {
+  switch (linear) {
+    case SolverSettings::Linear::kDirect:
+      return make_direct_solver();
+    case SolverSettings::Linear::kBanded:
+      return make_banded_solver();
+    case SolverSettings::Linear::kConjugateGradient:
+    case SolverSettings::Linear::kMultigrid:  // of sheets on grids only: SheetStage
+      break;
+  }
+  return make_conjugate_gradient_solver();
+}
+
+}  // namespace
+
+StageMatrix::StageMatrix(const SolverSettings& settings) : solver_(make_solver(settings.linear)) {}
 
 void StageMatrix::renew(const Dynamics& d, double tau) {
   dynamics_ = &d;
@@ -101,7 +113,6 @@ void StageMatrix::hold() {
 
 LinearReport StageMatrix::solve(const Nodes& b, const Eigen::VectorXd& weight, const LinearTolerance& tolerance,
                                 Nodes* step, StepReport* report) {
-  const double start = thread_cpu_time();
   if (stale_) {
     solver_->prepare(matrix_);
     prepared_tau_ = tau_;
@@ -112,8 +123,13 @@ LinearReport StageMatrix::solve(const Nodes& b, const Eigen::VectorXd& weight, c
   const LinearReport linear = solver_->solve(matrix_, b, weight, tolerance, step);
   for (int node : held_) step->col(node).setZero();
   report->linear_iterations += linear.iterations;
-  report->seconds_solve += thread_cpu_time() - start;
   return linear;
+}
+
+bool StageMatrix::solve_again(const Nodes& b, Nodes* step) {
+  if (!solver_->solve_again(b, step)) return false;
+  for (int node : held_) step->col(node).setZero();
+  return true;
 }
 
 }  // namespace deformable_sim

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "deformable_sim/core/integrator/implicit_stage.h"
 #include "deformable_sim/core/integrator/mass_factor.h"
 #include "deformable_sim/core/integrator/schemes.h"
 #include "scheme_parts.h"
@@ -25,6 +24,7 @@ void add(const StepReport& part, StepReport* sum) {
   sum->converged = sum->converged && part.converged;
   sum->newton_iterations += part.newton_iterations;
   sum->linear_iterations += part.linear_iterations;
+  sum->force_evaluations += part.force_evaluations;
   sum->residual = !(part.residual <= sum->residual) ? part.residual : sum->residual;  // keeps a NaN
   sum->seconds_assembly += part.seconds_assembly;
   sum->seconds_solve += part.seconds_solve;
@@ -32,24 +32,24 @@ void add(const StepReport& part, StepReport* sum) {
 
 class TrBdf2 : public Integrator {
  public:
-  explicit TrBdf2(const SolverSettings& settings) : stage_(settings) {}
+  explicit TrBdf2(const SolverSettings& settings) : stage_(make_stage_solver(settings)) {}
 
   std::string name() const override { return "tr_bdf2"; }
   Needs needs() const override { return {true}; }
   int order() const override { return 2; }
   double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
-  void reset() override { stage_.reset(); }
+  void reset() override { stage_->reset(); }
 
-  StepReport advance(double dt, Dynamics* d, State* s) override { return step_.advance(dt, &stage_, d, s); }
+  StepReport advance(double dt, Dynamics* d, State* s) override { return step_.advance(dt, stage_.get(), d, s); }
 
  private:
-  ImplicitStage stage_;
+  std::unique_ptr<StageSolver> stage_;
   TrBdf2Step step_;
 };
 
 }  // namespace
 
-StepReport TrBdf2Step::advance(double dt, ImplicitStage* stage, Dynamics* d, State* s) {
+StepReport TrBdf2Step::advance(double dt, StageSolver* stage, Dynamics* d, State* s) {
   v_start_ = s->v;
   if (d->mass_matrix != nullptr) {
     prescribed_inertia_.setZero(3, s->x.cols());
@@ -67,10 +67,9 @@ StepReport TrBdf2Step::advance(double dt, ImplicitStage* stage, Dynamics* d, Sta
   return report;
 }
 
-StepReport TrBdf2Step::first_stage(double dt, ImplicitStage* stage, Dynamics* d, State* s) {
+StepReport TrBdf2Step::first_stage(double dt, StageSolver* stage, Dynamics* d, State* s) {
   const double tau = 0.5 * kGamma * dt;
-  force_.setZero(3, s->x.cols());
-  for (const Energy* energy : d->energies) energy->add_force(*s, &force_);
+  stage->find_force(*s, *d, &force_);
   x_base_ = s->x + tau * s->v;
   StageEquation equation;
   equation.tau = tau;
@@ -85,7 +84,8 @@ StepReport TrBdf2Step::first_stage(double dt, ImplicitStage* stage, Dynamics* d,
   equation.contact_unit = dt;
   equation.fraction = kGamma;
   equation.remaining = dt - equation.duration;
-  const StepReport report = stage->solve(equation, *s, *d);
+  StepReport report = stage->solve(equation, *s, *d);
+  ++report.force_evaluations;  // at the start
   mean_force_ = kOuterWeight * (force_ + stage->force());
   force_ = stage->force();
   stage->report_contacts(&d->contacts);
@@ -94,7 +94,7 @@ StepReport TrBdf2Step::first_stage(double dt, ImplicitStage* stage, Dynamics* d,
   return report;
 }
 
-StepReport TrBdf2Step::second_stage(double dt, ImplicitStage* stage, Dynamics* d, const State& s) {
+StepReport TrBdf2Step::second_stage(double dt, StageSolver* stage, Dynamics* d, const State& s) {
   std::swap(middle_.x, stage->end().x);
   std::swap(middle_.v, stage->end().v);
   middle_.time = stage->end().time;

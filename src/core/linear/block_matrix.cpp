@@ -5,7 +5,8 @@
 
 namespace deformable_sim {
 
-BlockMatrix::BlockMatrix(int n, const std::vector<std::array<int, 2>>& pairs) {
+BlockMatrix::BlockMatrix(int n, const std::vector<std::array<int, 2>>& pairs, int first_scalar_row)
+    : first_scalar_row_(first_scalar_row < 0 ? n : first_scalar_row) {
   std::vector<std::array<int, 2>> entries;
   entries.reserve(2 * pairs.size() + static_cast<size_t>(n));
   for (int i = 0; i < n; ++i) entries.push_back({i, i});

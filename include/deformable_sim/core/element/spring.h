@@ -1,6 +1,7 @@
 // A spring with a damper along it: two points.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "deformable_sim/core/element/jacobian.h"
@@ -41,6 +42,16 @@ struct Spring {
     return ((rest.stiffness * (r - rest.length) + rest.damping * d.dot(w) / r) / r) * d;
   }
 
+  /// The same with the transverse part of another state, at which the spring was `before` (m): k (1 - L/r) is small
+  /// there beside what a state off by a part of its stretch has, and it is what it will be at the solution.
+  static Mat3 lagged_stiffness(const Vec3& d, const Vec3& before, const Rest& rest, double dx, double dv) {
+    const double r2 = d.squaredNorm(), r2_before = before.squaredNorm();
+    if (r2 < kTiny || r2_before < kTiny) return Mat3::Zero();
+    const Vec3 n = d / std::sqrt(r2);
+    const double transverse = std::max(0.0, dx * rest.stiffness * (1.0 - rest.length / std::sqrt(r2_before)));
+    return along_and_across(n, dx * rest.stiffness + dv * rest.damping, transverse);
+  }
+
   /// dx dF/dd + dv dF/dw, F the force on a:
   ///
   ///   dF/dd = k [n n^T + (1 - L/r) P] + c/r [(n.w) P + n (P w)^T],   P = I - n n^T
@@ -61,14 +72,7 @@ struct Spring {
     } else {
       transverse += dx * rest.damping * inverse * n.dot(w);
     }
-    const Vec3 axial = (dx * rest.stiffness + dv * rest.damping - transverse) * n;
-    Mat3 h;
-    h.col(0) = n[0] * axial;
-    h.col(1) = n[1] * axial;
-    h.col(2) = n[2] * axial;
-    h(0, 0) += transverse;
-    h(1, 1) += transverse;
-    h(2, 2) += transverse;
+    Mat3 h = along_and_across(n, dx * rest.stiffness + dv * rest.damping, transverse);
     if (kind == Jacobian::kExact) {
       h.noalias() += (dx * rest.damping * inverse) * n * (w - n.dot(w) * n).transpose();
     }
@@ -76,6 +80,19 @@ struct Spring {
   }
 
  private:
+  /// along n n^T + across (I - n n^T)
+  static Mat3 along_and_across(const Vec3& n, double along, double across) {
+    const Vec3 axial = (along - across) * n;
+    Mat3 h;
+    h.col(0) = n[0] * axial;
+    h.col(1) = n[1] * axial;
+    h.col(2) = n[2] * axial;
+    h(0, 0) += across;
+    h(1, 1) += across;
+    h(2, 2) += across;
+    return h;
+  }
+
   static constexpr double kTiny = 1e-24;  // m^2
 };
 

@@ -17,13 +17,20 @@ struct HasMemory : std::false_type {};
 template <class E>
 struct HasMemory<E, std::void_t<typename E::Memory>> : std::true_type {};
 
+/// Whether E knows how to take its tension from another state.
+template <class E, class = void>
+struct IsLaggable : std::false_type {};
+template <class E>
+struct IsLaggable<E, std::void_t<decltype(&E::lagged_stiffness)>> : std::true_type {};
+
 /// One element type E over many sets of nodes.
 ///
 /// E is a pure function of a few points and provides
 ///   kPoints                       how many points
 ///   Rest, Parameters, Context     values per element, per term, and per evaluation: context(parameters, time)
 /// and, when kPairwise (two points, dependence on differences d = x_b - x_a, w = v_b - v_a only, opposite forces),
-///   energy(d, rest), force(d, w, rest) on point a, stiffness(d, w, rest, dx, dv, kind) = dx dF/dd + dv dF/dw;
+///   energy(d, rest), force(d, w, rest) on point a, stiffness(d, w, rest, dx, dv, kind) = dx dF/dd + dv dF/dw, and,
+///   where the tension may be another state's, lagged_stiffness(d, d there, rest, dx, dv);
 /// otherwise
 ///   energy(x, rest) or energy(x, rest, context), force(x, v, rest, context), and either, when kUniform,
 ///     jacobian(x, v, rest, context, dx, dv) = dx df/dx + dv df/dv, exact, and
@@ -110,7 +117,14 @@ class ElementEnergy : public Energy {
       const auto& slot = slots_[n];
       if constexpr (E::kPairwise) {
         const Vec3 d = s.x.col(e.node[1]) - s.x.col(e.node[0]), w = s.v.col(e.node[1]) - s.v.col(e.node[0]);
-        const Mat3 h = E::stiffness(d, w, e.rest, dx, dv, kind);
+        const Mat3 h = [&] {
+          if constexpr (IsLaggable<E>::value) {
+            if (kind == Jacobian::kLagged) {
+              return E::lagged_stiffness(d, s.x_before.col(e.node[1]) - s.x_before.col(e.node[0]), e.rest, dx, dv);
+            }
+          }
+          return E::stiffness(d, w, e.rest, dx, dv, kind);
+        }();
         a->block(slot[0]) += h;
         a->block(slot[1]) -= h;
         a->block(slot[2]) -= h;

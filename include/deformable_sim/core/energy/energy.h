@@ -11,6 +11,12 @@
 
 namespace deformable_sim {
 
+/// What a term does to every node in proportion to its mass: f = m (acceleration - rate v).
+struct MassForce {
+  Vec3 acceleration = Vec3::Zero();  // m/s^2
+  double rate = 0.0;                 // 1/s
+};
+
 /// A term of the equations of motion M dv/dt = sum of forces.
 ///
 /// Conservative terms have an energy E(x) and the force -dE/dx; dissipative and driving terms (viscous, drag, wind)
@@ -34,6 +40,9 @@ class Energy {
   virtual void bind(const BlockMatrix& matrix) = 0;
   /// A -= dx * df/dx + dv * df/dv.
   virtual void add_jacobian(const State& s, double dx, double dv, Jacobian kind, BlockMatrix* a) const = 0;
+
+  /// Of terms that are nothing but a MassForce; null for all others.
+  virtual const MassForce* mass_force() const { return nullptr; }
 
   /// Carries what the state remembers for this term beyond x and v to the positions at the end of a step.
   virtual void end_step(State* /*s*/) const {}

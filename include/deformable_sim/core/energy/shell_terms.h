@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "deformable_sim/core/energy/energy.h"
 #include "deformable_sim/core/material/bending_law.h"
@@ -25,6 +27,12 @@ std::unique_ptr<Energy> make_bending(const TriangleMesh& mesh, const BendingMate
 /// Not good at: stretching sheets, whose in-plane waves it resists a little; tight folds, where it is softer.
 std::unique_ptr<Energy> make_quadratic_bending(const TriangleMesh& mesh, const BendingMaterial& material,
                                                int first_node);
+
+/// A quadratic energy as a term: f = sum w (x_b - x_a + damping (v_b - v_a)) on a. Damping (s) as a constant matrix:
+/// exactly 0 in translation, but it resists the turning of a curved sheet (moment: damping x rigidity x curvature x
+/// rate of turning).
+std::unique_ptr<Energy> make_quadratic_links(const std::string& name, const std::vector<QuadraticWeight>& weights,
+                                             double damping, int first_node);
 
 /// Principal stretches - 1 at the nodes (2 x n, larger first): singular values of F, averaged over the faces by area.
 Eigen::Matrix2Xf principal_strains(const TriangleMesh& mesh, const Nodes& x_body);

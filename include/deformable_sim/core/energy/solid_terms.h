@@ -39,12 +39,16 @@ Eigen::VectorXf solid_stress(const TetMesh& mesh, const SolidMaterial& material,
 /// with n = thickness / mean height of the elements across it:
 ///
 ///   mirrored cubes (make_box, make_lattice_around)   1 / (1 + (2.6 + 0.84 (2 nu)^8) / n^2)
-///   other linear elements                            1 / (1 + 6.2 mu/E / n^2 + 2.1 (lambda/E)^0.87 / n^1.66)
-///   quadratic elements                               1 (measured: 0.97 for nu <= 0.3, 0.91 at 0.45, 0.86 at 0.49)
+///   other linear elements                            1 / (1 + 6.2 mu/E / n^2 + 1 / |(a, b)|)
+///       1 / a = 2.1 (lambda/E)^0.87 / n^1.66,  1 / b = 65 / n^0.2
+///   quadratic elements                               1 / (1 + 0.028 (2 nu)^2 + (0.063 (2 nu)^2 + 0.088 (2 nu)^10) /
+///   n^2)
 ///
-/// Linear elements cannot bend, their strain is constant (locking). Fitted within 7 % and 5 % to cantilevers ten times
-/// as long as thick with 1 to 6 cubes through the thickness, the second to cubes all cut alike; an irregular mesh may
-/// be anywhere about it. poissons_ratio < 0.5; below 0 it counts as 0. See doc/theory/finite_elements.md.
+/// Linear elements cannot bend, their strain is constant (locking). Quadratic ones can, within 1 % at any nu; theirs is
+/// the factor of a clamp that does not let the section contract, over a beam ten times as long as thick: the longer
+/// the beam, the nearer to 1. Fitted to cantilevers of that length with 1 to 6 cubes through the thickness and
+/// nu <= 0.499: within 7 %, 5 % (cubes all cut alike) and 1 % (3 % for cubes cut alike); an irregular mesh may be
+/// anywhere about it. poissons_ratio < 0.5; below 0 it counts as 0. See doc/theory/finite_elements.md.
 double expected_bending_factor(const TetMesh& mesh, double poissons_ratio);
 
 }  // namespace deformable_sim

@@ -9,11 +9,18 @@
 #include "deformable_sim/core/energy/energy.h"
 #include "deformable_sim/core/material/air.h"
 #include "deformable_sim/core/material/spring_network.h"
+#include "deformable_sim/core/topology/polyline.h"
 
 namespace deformable_sim {
 
 /// Elastic and viscous force along each link: -(k (|d| - L) + c n.dv) n. `first_node` shifts the body-local link nodes.
 std::unique_ptr<Energy> make_springs(const std::string& name, const std::vector<SpringLink>& links, int first_node);
+
+/// Bending of a line that is straight without load: E = B/2 l |k|^2 a joint, k = ((x2 - x1) / b - (x1 - x0) / a) / l, a
+/// and b the segments' lengths, l their mean. `rigidity` B >= 0 (N m^2), `damping` >= 0 (s): viscous over elastic
+/// stiffness. Not good at: angles beyond half a radian a joint, which it finds too easy (2 sin(phi / 2) for phi);
+/// natural curvature and twist, for which there are rods (rod_terms.h).
+std::unique_ptr<Energy> make_line_bending(const Polyline& line, double rigidity, double damping, int first_node);
 
 /// Uniform gravity (m/s^2); energy zero at the origin.
 std::unique_ptr<Energy> make_gravity(const Eigen::VectorXd& mass, const Vec3& gravity);

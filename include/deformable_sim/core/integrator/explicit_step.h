@@ -2,8 +2,8 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
+#include "deformable_sim/core/integrator/impulse_contacts.h"
 #include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/core/integrator/mass_factor.h"
 
@@ -11,8 +11,7 @@ namespace deformable_sim {
 
 /// Work space of one explicit step.
 ///
-/// Prescribed nodes move linearly to their targets; the others obey M a = f. Contacts are resolved after the step, each
-/// exactly and in turn (Gauss-Seidel): inelastic normal impulse, Coulomb friction clamped to mu times it.
+/// Prescribed nodes move linearly to their targets; the others obey M a = f. Contacts are resolved after the step.
 class ExplicitStep {
  public:
   /// Remembers the state at the start of the step.
@@ -27,23 +26,15 @@ class ExplicitStep {
   StepReport finish(double drift, State* s);
 
  private:
-  struct Contact {
-    double mass;    // effective mass of the point, kg; 0 when it cannot move
-    double normal;  // accumulated impulse, N s
-    Vec3 friction;  // accumulated impulse, N s
-  };
   void find_reactions(const State& s);
-  void resolve_contacts(double drift, State* s);
-  void resolve(const ContactConstraint& c, double drift, Contact* contact, State* s) const;
-  void add_to_velocities(const ContactConstraint& c, const Vec3& impulse, State* s) const;
-  void add_to_positions(const ContactConstraint& c, const Vec3& moment, State* s) const;
 
   double dt_ = 0.0;
+  int force_evaluations_ = 0;  // in this step
   Dynamics* dynamics_ = nullptr;
   Nodes x0_, v0_;                 // of prescribed nodes, at the start
   Nodes force_, mean_force_;      // of all nodes; of prescribed nodes, mean over the step
   Eigen::VectorXd inverse_mass_;  // 0 for prescribed nodes
-  std::vector<Contact> contacts_;
+  ImpulseContacts contacts_;
   std::unique_ptr<MassFactor> mass_factor_;  // only with a mass matrix
   Nodes v_start_, prescribed_inertia_;       // of all nodes; only with a mass matrix
 };

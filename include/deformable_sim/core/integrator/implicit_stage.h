@@ -3,33 +3,10 @@
 
 #include <vector>
 
-#include "deformable_sim/core/integrator/integrator.h"
-#include "deformable_sim/core/integrator/penalty_contacts.h"
 #include "deformable_sim/core/integrator/stage_matrix.h"
+#include "deformable_sim/core/integrator/stage_solver.h"
 
 namespace deformable_sim {
-
-/// The unknown x of a stage obeys
-///
-///   v = (x - x_base) / tau,   a = (v - v_base) / tau,   M a = f(x, v) + more_force + contacts,
-///
-/// which is implicit Euler with other bases: every linear multistep and diagonally implicit Runge-Kutta scheme is made
-/// of such stages. Nodes that a contact constraint names follow implicit Euler's formula from the start of the stage,
-/// v = (x - x_start) / duration, a = (v - v_start) / duration, whatever the scheme: a formula that remembers, or that
-/// extrapolates, throws a stopped node back.
-struct StageEquation {
-  double tau = 0.0;                    // s
-  const Nodes* x_base = nullptr;       // 3 x n, m
-  const Nodes* v_base = nullptr;       // 3 x n, m/s
-  const Nodes* more_force = nullptr;   // 3 x n, N; null = none
-  const Nodes* start_force = nullptr;  // 3 x n, N: the terms' force at the start, if known
-  double duration = 0.0;               // s from the start to the stage
-  double fraction = 1.0;               // of the way of prescribed nodes from the start to their targets
-  double remaining = 0.0;              // s from the stage to the end of the step
-  double contact_unit = 0.0;           // s, dt of the contacts' stiffness
-
-  PenaltyContacts::Span contact_span() const { return {duration, remaining, contact_unit}; }
-};
 
 /// Newton's method for one stage; work space and preconditioner are kept from step to step.
 ///
@@ -38,28 +15,36 @@ struct StageEquation {
 /// from where it is, so that an unconverged step cannot drift away from an equilibrium. The matrix is
 /// M / tau^2 - df/dx - df/dv / tau, projected, so that every Newton direction is a descent direction.
 ///
+/// Full steps (Jacobian::kLagged with a solver that keeps its factors, no contacts in reach): in stiff ropes a motion
+/// far below what matters makes a huge unbalanced force, so that neither the residual nor the work along a step say how
+/// far the solution is. Newton then starts from x_base + tau v_base + tau^2 a of the last step, takes whole steps, and
+/// what is left is measured as A^-1 r / tau^2 with the last factors: the acceleration that one more step would add.
+/// That is the report's residual, and what the tolerance is for.
+///
 /// Linearised, f is replaced by its expansion about the start, f0 + K (x - x0) + C (v - v0), K and C exact: one linear
 /// solve, or a few with the same matrix where contacts close. If the matrix is then not definite (springs compressed
 /// beyond m / tau^2), the projected K and C take their place.
-class ImplicitStage {
+class ImplicitStage : public StageSolver {
  public:
   enum class Forces { kNonlinear, kLinearised };
   explicit ImplicitStage(const SolverSettings& settings, Forces forces = Forces::kNonlinear)
       : settings_(settings), linearised_(forces == Forces::kLinearised), matrix_(settings) {}
 
-  void reset() { matrix_.reset(); }
-  StepReport solve(const StageEquation& equation, const State& start, const Dynamics& d);
+  void reset() override { matrix_.reset(); }
+  StepReport solve(const StageEquation& equation, const State& start, const Dynamics& d) override;
+  void find_force(const State& s, const Dynamics& d, Nodes* f) override;
 
-  /// Of the last solve: x, v and time at the stage; may be swapped away.
-  State& end() { return trial_; }
-  /// The terms' force there, N (not known after a linearised solve).
-  const Nodes& force() const { return force_; }
-  /// M a - f - more_force there, N: what holders and contacts do to the nodes.
-  const Nodes& outer_force() const { return base_; }
-  /// Writes the force of each contact.
-  void report_contacts(ContactConstraints* contacts) const { contacts_.report(trial_.x, contacts); }
+  State& end() override { return trial_; }
+  /// Not known after a linearised solve.
+  const Nodes& force() const override { return force_; }
+  const Nodes& outer_force() const override { return base_; }
+  void report_contacts(ContactConstraints* contacts) const override { contacts_.report(trial_.x, contacts); }
 
  private:
+  double start_full_steps();
+  void take_full_step();
+  double leave_full_steps();
+  double left_over();
   void begin(const StageEquation& equation, const State& start, const Dynamics& d);
   void find_near_nodes();
   double start_iteration();
@@ -71,7 +56,8 @@ class ImplicitStage {
   void add_contacts();
   bool is_rough(const StepReport& report) const;
   double unbalanced(const Nodes& residual) const;
-  void assemble(StepReport* report);
+  void assemble();
+  double lap();
   bool solve_linear(StepReport* report);
   void search_along_step();
   void try_fraction(double fraction);
@@ -84,6 +70,8 @@ class ImplicitStage {
   // The present stage.
   StageEquation equation_;
   double tau_ = 0.0;
+  double lap_ = 0.0;  // s, thread CPU time
+  int force_evaluations_ = 0;
   const Dynamics* dynamics_ = nullptr;
   const State* start_ = nullptr;
   State trial_;
@@ -100,6 +88,9 @@ class ImplicitStage {
   BlockMatrix linear_;
   Nodes linear_force_;
   bool assembled_ = false;
+
+  // With a lagged Jacobian, an exact solver and no contacts: whole Newton steps, judged by what another would do.
+  bool full_steps_ = false;
 };
 
 }  // namespace deformable_sim

@@ -1,6 +1,7 @@
 // The interface of all time schemes, and what they are given.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "deformable_sim/core/contact/constraint.h"
 #include "deformable_sim/core/energy/energy.h"
 #include "deformable_sim/core/grasp/kinematics.h"
+#include "deformable_sim/core/grid/grid_sheet.h"
 #include "deformable_sim/core/state.h"
 
 namespace deformable_sim {
@@ -22,17 +24,21 @@ struct Dynamics {
   Kinematics kinematics;
   ContactConstraints contacts;
   const BlockMatrix* pattern = nullptr;  // null for schemes that need no Jacobian
+  /// Sheets on grids: what some schemes evaluate in place of the terms these stand for. Null: none.
+  const std::vector<GridSheet>* grids = nullptr;
 };
 
 /// What a scheme asks to exist.
 struct Needs {
   bool jacobian = false;
+  bool lumped_mass = false;  // cannot do with Dynamics::mass_matrix
 };
 
 struct StepReport {
   bool converged = true;  // explicit schemes: state stayed finite
   int newton_iterations = 0;
   int linear_iterations = 0;
+  int force_evaluations = 0;      // all terms once = 1
   double residual = 0.0;          // RMS unbalanced acceleration at the end of the step, m/s^2
   double seconds_assembly = 0.0;  // thread CPU time, s
   double seconds_solve = 0.0;
@@ -61,23 +67,31 @@ class Integrator {
 
 /// Settings of implicit schemes; explicit ones ignore them.
 struct SolverSettings {
-  enum class Linear { kDirect, kConjugateGradient };
+  enum class Linear { kDirect, kConjugateGradient, kBanded, kMultigrid };
   Linear linear = Linear::kConjugateGradient;
-  int newton_iterations = 4;                 // at most, per step
-  double tolerance = 0.02;                   // RMS unbalanced acceleration at which Newton stops, m/s^2
-  double linear_tolerance = 0.1;             // relative residual of one linear solve
-  int linear_iterations = 200;               // at most, per linear solve
-  Jacobian jacobian = Jacobian::kProjected;  // what Newton's matrix is made of: projected, or axial for comparison
+  int newton_iterations = 4;      // at most, per step
+  double tolerance = 0.02;        // RMS unbalanced acceleration at which Newton stops, m/s^2
+  double linear_tolerance = 0.1;  // relative residual of one linear solve
+  int linear_iterations = 200;    // at most, per linear solve
+  /// Of sheets on grids, where a scheme has kernels for them: single is twice as fast and has an error of about 1e-4 of
+  /// its own.
+  enum class Precision { kDouble, kSingle };
+  Precision precision = Precision::kDouble;
+  Jacobian jacobian = Jacobian::kProjected;  // what Newton's matrix is made of; lagged: see ImplicitStage
 };
 
 /// By name: explicit_euler, symplectic_euler, velocity_verlet, rk4, implicit_euler, linear_implicit_euler,
-/// implicit_midpoint, bdf2, tr_bdf2. Throws InputError listing the names.
+/// implicit_midpoint, bdf2, tr_bdf2, substepped_verlet. Throws InputError listing the names.
 std::unique_ptr<Integrator> make_integrator(const std::string& name, const SolverSettings& settings);
 std::vector<std::string> integrator_names();
 
 /// Highest natural frequency (rad/s) of M^-1 K at state `s`, K = -df/dx by central differences of the forces, so that
 /// no matrix has to exist; Lanczos' method. Kinematic nodes are held. Relative accuracy 0.1 % or better.
 double highest_frequency(const Dynamics& d, const State& s);
+
+/// Highest rate (1/s) at which forces of velocity damp a motion of M v' = f(v) at state `s`, by power iteration.
+/// Relative accuracy 1 %.
+double highest_damping_rate(const Dynamics& d, const State& s);
 
 /// Largest stable step (s) of an explicit scheme for a body of highest frequency omega (rad/s) and highest damping rate
 /// (1/s), which need not belong to the same motion: the smaller of the limit of an oscillator that has both and of a

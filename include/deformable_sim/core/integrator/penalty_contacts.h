@@ -42,6 +42,14 @@ class PenaltyContacts {
   void add_force(const Nodes& x, Nodes* f) const;
   /// A += -df/dx at x, symmetric and positive semi-definite.
   void add_jacobian(const Nodes& x, BlockMatrix* a);
+  /// visit(constraint, h) for each closed contact: -df/dp of its point p at x, as in add_jacobian().
+  template <class Visit>
+  void for_each_jacobian(const Nodes& x, const Visit& visit) {
+    for (Contact& c : contacts_) {
+      const Vec3 p = point(c, x);
+      if (gap(c, p) < 0.0 && c.stiffness > 0.0) visit(c.plane, jacobian(&c, p));
+    }
+  }
   /// Writes ContactConstraint::force.
   void report(const Nodes& x, ContactConstraints* constraints) const;
   bool empty() const { return contacts_.empty(); }

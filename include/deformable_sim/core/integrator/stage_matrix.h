@@ -25,9 +25,12 @@ class StageMatrix {
   /// A = (A + A^T) / 2.
   void make_symmetric();
   void hold();
-  /// step = A^-1 b, zero at held nodes; adds to the report's costs.
+  /// step = A^-1 b, zero at held nodes; adds to the report's count.
   LinearReport solve(const Nodes& b, const Eigen::VectorXd& weight, const LinearTolerance& tolerance, Nodes* step,
                      StepReport* report);
+
+  /// The same with the matrix of the last solve(); false where the solver keeps no factor.
+  bool solve_again(const Nodes& b, Nodes* step);
 
   BlockMatrix& blocks() { return matrix_; }
   const std::vector<int>& held() const { return held_; }

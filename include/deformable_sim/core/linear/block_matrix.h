@@ -15,10 +15,12 @@ namespace deformable_sim {
 class BlockMatrix {
  public:
   BlockMatrix() = default;
-  /// n block rows; `pairs` in any order, either orientation, repeats allowed.
-  BlockMatrix(int n, const std::vector<std::array<int, 2>>& pairs);
+  /// n block rows; `pairs` in any order, either orientation, repeats allowed. Rows from `first_scalar_row` on (-1:
+  /// none) have one unknown, x; whoever fills the matrix leaves nothing but the diagonal in their y and z.
+  BlockMatrix(int n, const std::vector<std::array<int, 2>>& pairs, int first_scalar_row = -1);
 
   int rows() const { return static_cast<int>(row_start_.size()) - 1; }
+  int first_scalar_row() const { return first_scalar_row_; }
   int block_count() const { return static_cast<int>(column_.size()); }
   /// Index of block (i, j), or -1 outside the pattern.
   int slot(int i, int j) const;
@@ -36,6 +38,7 @@ class BlockMatrix {
   const std::vector<int>& column() const { return column_; }
 
  private:
+  int first_scalar_row_ = 0;
   std::vector<int> row_start_{0};
   std::vector<int> column_;
   std::vector<int> diagonal_;

@@ -11,6 +11,7 @@ struct LinearReport {
   int iterations = 0;    // 0 for a direct solver
   bool solved = true;    // tolerance reached; direct: the factorisation exists
   bool definite = true;  // false: A was found not to be positive definite, x is of no use
+  bool kept = false;     // solve_again() has factors of all of A
 };
 
 /// When an iterative solver may stop: RMS over nodes of |r_i| * weight_i at or below max(absolute, relative * initial).
@@ -31,6 +32,9 @@ class LinearSolver {
   /// LinearTolerance.
   virtual LinearReport solve(const BlockMatrix& a, const Nodes& b, const Eigen::VectorXd& weight,
                              const LinearTolerance& tolerance, Nodes* x) = 0;
+  /// x := A^-1 b with the matrix of the last solve(); false, and nothing done, by solvers that keep no factor of all of
+  /// it.
+  virtual bool solve_again(const Nodes& /*b*/, Nodes* /*x*/) { return false; }
 };
 
 /// Sparse Cholesky factorisation (LDL^T, minimum degree order) of the 3n x 3n matrix. Exact and slow: the oracle for
@@ -41,5 +45,10 @@ std::unique_ptr<LinearSolver> make_direct_solver();
 /// sweep, one exact solve of a scalar n x n operator an axis (mass, contacts and graph Laplacian; factors kept while
 /// they fit) and a second sweep; see doc/theory/integrators.md.
 std::unique_ptr<LinearSolver> make_conjugate_gradient_solver();
+
+/// Parts of the matrix that are not coupled to others are told apart. Narrow bands (ropes, rods with their angles,
+/// closed loops, strips) are factorised, exactly and in a time that grows with their length alone; all others go to
+/// conjugate gradients together. Cost: two sweeps, some 250 multiplications a node of a chain with bending.
+std::unique_ptr<LinearSolver> make_banded_solver();
 
 }  // namespace deformable_sim

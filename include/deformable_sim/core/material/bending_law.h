@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "deformable_sim/core/topology/triangle_mesh.h"
 #include "deformable_sim/core/types.h"
 
 namespace deformable_sim {
@@ -41,5 +42,15 @@ void check_material(const BendingMaterial& material);
 
 /// Moments (M_xx, M_yy, M_xy) of curvatures (k_xx, k_yy, 2 k_xy), x along the warp; N m, symmetric positive definite.
 Mat3 plate_stiffness(const BendingMaterial& material);
+
+/// One weight w (N/m, also < 0) of a quadratic energy, E = w/2 |x_b - x_a|^2; body-local nodes, a < b.
+struct QuadraticWeight {
+  int a, b;
+  double weight;
+};
+
+/// The plate of `material` on a regular grid by differences, see grid_bending.cpp: warp along the rows. Second order in
+/// the cells; rest is flat. Throws InputError: not a grid, or no material.
+std::vector<QuadraticWeight> grid_bending_weights(const TriangleMesh& grid, const BendingMaterial& material);
 
 }  // namespace deformable_sim

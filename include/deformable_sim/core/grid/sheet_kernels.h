@@ -1,0 +1,78 @@
+// The loops over the rows of a sheet on a grid, built once for each SIMD instruction set. Plain pointers only: the
+// files that are compiled for wider registers must share no inline function with the rest of the program.
+#pragma once
+
+#include <cstddef>
+
+namespace deformable_sim {
+
+/// Positions lie in rows of `stride` numbers, x, y and z apart; node (row, col) at row * stride + col. Two rows above
+/// and below and kMargin numbers left of each row exist and are finite. Every coefficient array has room for kMargin
+/// numbers on its left and for whole registers on its right; coefficients of springs that do not exist are zero.
+template <class Real>
+struct SheetShape {
+  static constexpr int kMargin = 16;
+
+  int rows, cols;
+  std::ptrdiff_t stride;
+  Real damping_time;  // s
+
+  // k = along[col] * across[row] (N/m) of the spring to the right, and the same with rows and columns changed.
+  Real warp_length, weft_length, shear_length, warp_bend_length, weft_bend_length;  // m
+  const Real *warp_along, *warp_across, *weft_along, *weft_across;
+  const Real* shear;       // by column, of both diagonals of the cell to the right
+  const Real* shear_rows;  // by row: 1, or 0 in the last row
+  bool has_flexion;        // springs over two cells
+  const Real *warp_bend_along, *warp_bend_across, *weft_bend_along, *weft_bend_across;
+
+  // f = -sum coefficient * (x + bending_damping v) over the 13 nodes of kStencil, grid_sheet.h.
+  bool has_bending;
+  Real bending_damping;        // s
+  const Real* const* bending;  // by row: an array of `stride` numbers for each of the 13
+};
+
+/// Three arrays, one a coordinate, each pointing at node (0, 0).
+template <class Real>
+struct Xyz {
+  Real *x, *y, *z;
+};
+
+/// Space for some rows of forces; each of the arrays is laid out as one row.
+template <class Real>
+struct SheetScratch {
+  Xyz<Real> force[3], weft[2], falling[2], rising[2];
+};
+
+/// One part of an explicit step: kick, then drift.
+///   v += free * ((keep - 1) v + kick g) + gain * kick * f,   x += drift * v,   y = x + bending_damping v
+template <class Real>
+struct SheetLeap {
+  Xyz<Real> x, v, y;  // y: what bends; the same arrays as x without bending damping
+  const Real* gain;   // 1/kg by node, laid out as x: 0 at held nodes
+  const Real* free;   // 1 by node, 0 at held nodes
+  Real keep, kick, drift;
+  Real gravity[3];
+  Xyz<Real> more;              // N, further forces; null pointers: none
+  Xyz<Real> force;             // N, written in the rows that ...
+  const unsigned char* keeps;  // ... this marks
+};
+
+template <class Real>
+struct SheetKernels {
+  int width;  // numbers a register
+  /// force: N of all nodes, laid out as x; y as in SheetLeap.
+  void (*forces)(const SheetShape<Real>&, Xyz<Real> x, Xyz<Real> v, Xyz<Real> y, Xyz<Real> force,
+                 const SheetScratch<Real>&);
+  void (*leap)(const SheetShape<Real>&, const SheetLeap<Real>&, const SheetScratch<Real>&);
+};
+
+enum class SimdLevel { kSse2, kAvx2, kAvx512 };
+
+/// The widest that this machine has; the environment variable DEFORMABLE_SIM_SIMD (sse2, avx2, avx512) lowers it.
+SimdLevel simd_level();
+const char* name_of(SimdLevel level);
+
+const SheetKernels<float>& sheet_kernels(SimdLevel level, float);
+const SheetKernels<double>& sheet_kernels(SimdLevel level, double);
+
+}  // namespace deformable_sim

@@ -1,0 +1,115 @@
+// The loops of an implicit stage over the rows of a sheet: forces and residual in double precision, the linear system
+// in single. Plain pointers only, see sheet_kernels.h.
+#pragma once
+
+#include "deformable_sim/core/grid/sheet_kernels.h"
+
+namespace deformable_sim {
+
+/// Forces and residual r = inertia x - target - f(x, v) at x, v = per_tau (x - x_base); all laid out as x.
+struct SheetResidual {
+  Xyz<double> x, x_base;
+  const double* per_tau;  // 1/s
+  const double* inertia;  // kg/s^2: m (1 / tau^2 + rate / tau)
+  Xyz<double> target;     // N
+  Xyz<double> v, y;       // written where there is damping: v, and x + bending_damping v
+  Xyz<double> force;      // N, written: of springs and bending
+  Xyz<float> downhill;    // N, written: -r
+  Xyz<float> step;        // m, of which the work is asked; null pointers: none
+  const float* weight;    // 1/kg, 0 at held nodes
+};
+/// A stage as it starts, from columns of points (x y z x y z ...) of the sheet's nodes:
+///   x = x0 + reach v0,   target = mass (of_x x_base + of_v v_base + weight) + more
+struct SheetStart {
+  const double *x0, *v0, *x_base, *v_base, *more;  // more: null = none
+  double reach, of_x, of_v;                        // s, 1/s^2, 1/s
+  double weight[3];                                // m/s^2
+  const double* mass;                              // kg by node, laid out as x
+  Xyz<double> x, base, target;
+};
+/// A stage as it ends: x, v = per_tau (x - base) and force + mass (weight - rate v) as columns of points.
+struct SheetEnd {
+  Xyz<double> x, base, force;
+  const double *per_tau, *mass;
+  double rate, weight[3];
+  double *points, *velocities, *forces;  // forces: null = not asked
+};
+struct SheetResidualSums {
+  double squares;  // sum |weight r|^2, m^2/s^4
+  double work;     // sum step . -r, J
+};
+
+/// A = inertia + bending K + springs, of each spring q q^T + t: a symmetric matrix, applied without being assembled.
+struct SheetMatrix {
+  static constexpr int kSprings = 6;
+  struct Springs {
+    float *x, *y, *z;  // q, (N/m)^(1/2)
+    float* t;          // N/m
+  };
+  /// Of each node the springs to the right, down, down to the right, down to the left, and over two cells.
+  Springs springs[kSprings];
+  float damping;         // springs: their damping_time / tau
+  float bending;         // 1 + bending_damping / tau
+  float transverse;      // 1, or 0: springs without their transverse part
+  const float* inertia;  // kg/s^2 by node
+  const float* free;     // 1 by node, 0 at held nodes and where there is none
+  float* inverse[6];     // of the diagonal blocks, m/N: xx, xy, xz, yy, yz, zz; 0 where `free` is
+};
+
+/// A coarser grid: a symmetric matrix of nine entries a node, the same for x, y and z but for the diagonal.
+struct CoarseGrid {
+  int rows, cols;
+  std::ptrdiff_t stride;
+  bool halves_rows, halves_cols;  // of the finer grid: node k lies on its node 2k, or k
+  const float *east, *south, *south_east, *south_west;
+  Xyz<float> diagonal;
+  Xyz<float> relaxation;  // omega / diagonal
+  const float* free;      // 1 by node, 0 where the finer grid has no free node
+};
+
+struct StageKernels {
+  void (*start)(const SheetShape<double>&, const SheetStart&);
+  void (*end)(const SheetShape<double>&, const SheetEnd&);
+  /// x, v and y = x + bending_damping v from columns of points.
+  void (*load)(const SheetShape<double>&, const double* points, const double* velocities, Xyz<double> x, Xyz<double> v,
+               Xyz<double> y);
+  SheetResidualSums (*residual)(const SheetShape<double>&, const SheetResidual&, const SheetScratch<double>&);
+  /// to = from + fraction step.
+  void (*advance)(const SheetShape<double>&, Xyz<double> from, double fraction, Xyz<float> step, Xyz<double> to);
+  void (*narrow)(const SheetShape<double>&, Xyz<double> from, Xyz<float> to);
+
+  /// Springs and inverse diagonal blocks of the matrix at x.
+  void (*linearise)(const SheetShape<float>&, Xyz<float> x, const SheetMatrix&);
+  /// y = A p; returns p . y.
+  double (*multiply)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> p, Xyz<float> y,
+                     const SheetScratch<float>&);
+  /// y = r - A p.
+  void (*residue)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> p, Xyz<float> r, Xyz<float> y,
+                  const SheetScratch<float>&);
+  /// z = omega D^-1 r.
+  void (*relax_first)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> r, Xyz<float> z);
+  /// z += omega D^-1 y; returns r . z.
+  double (*relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> y, Xyz<float> z, Xyz<float> r);
+  /// p = z + beta p.
+  void (*turn)(const SheetShape<float>&, Xyz<float> z, float beta, Xyz<float> p);
+  /// x += alpha p, r -= alpha y; returns sum |weight r|^2.
+  double (*descend)(const SheetShape<float>&, float alpha, Xyz<float> p, Xyz<float> y, const float* weight,
+                    Xyz<float> x, Xyz<float> r);
+
+  // Between grids; `free` and `stride` of the finer one.
+  void (*restrict_to)(const CoarseGrid&, std::ptrdiff_t stride, const float* free, Xyz<float> fine, Xyz<float> coarse,
+                      Xyz<float> row);
+  void (*prolong)(const CoarseGrid&, int rows, int cols, std::ptrdiff_t stride, const float* free, Xyz<float> coarse,
+                  Xyz<float> fine);
+  void (*coarse_relax_first)(const CoarseGrid&, Xyz<float> r, Xyz<float> z);
+  /// y = r - A z.
+  void (*coarse_residue)(const CoarseGrid&, Xyz<float> z, Xyz<float> r, Xyz<float> y);
+  /// y = z + omega D^-1 (r - A z).
+  void (*coarse_relax)(const CoarseGrid&, Xyz<float> z, Xyz<float> r, Xyz<float> y);
+  /// z = inverse r, `size` numbers each, rows of the symmetric matrix `stride` apart.
+  void (*coarsest)(int size, int stride, const float* inverse, const float* r, float* z);
+};
+
+const StageKernels& stage_kernels(SimdLevel level);
+
+}  // namespace deformable_sim

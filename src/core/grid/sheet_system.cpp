@@ -1,0 +1,174 @@
+#include "deformable_sim/core/grid/sheet_system.h"
+
+#include <cmath>
+
+namespace deformable_sim {
+namespace {
+
+constexpr float kSweep =
+    0.65f;  // weight of a block-Jacobi sweep: below 2/3, or the preconditioner need not be definite
+
+}  // namespace
+
+SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free)
+    : rows_(sheet),
+      kernels_(stage_kernels(simd_level())),
+      multigrid_(sheet, mass, free),
+      damping_time_(sheet.damping_time),
+      bending_damping_(sheet.bending_damping),
+      springs_(rows_.shape().has_flexion ? SheetMatrix::kSprings : 4),
+      inertia_(rows_.make_array()),
+      free_(rows_.make_array()),
+      weight_(rows_.make_array()),
+      x_(rows_.make_xyz()),
+      r_(rows_.make_xyz()),
+      z_(rows_.make_xyz()),
+      p_(rows_.make_xyz()),
+      y_(rows_.make_xyz()),
+      step_(rows_.make_xyz()) {
+  for (size_t k = 0; k < springs_.size(); ++k) {
+    for (auto& part : springs_[k]) part = rows_.make_array();
+    matrix_.springs[k] = {springs_[k][0].data(), springs_[k][1].data(), springs_[k][2].data(), springs_[k][3].data()};
+  }
+  for (size_t k = 0; k < inverse_.size(); ++k) {
+    inverse_[k] = rows_.make_array();
+    matrix_.inverse[k] = inverse_[k].data();
+  }
+  for (int node = 0; node < rows_.node_count(); ++node) {
+    const auto k = static_cast<size_t>(node);
+    free_.data()[rows_.place(node)] = free[k] != 0 ? 1.0f : 0.0f;
+    weight_.data()[rows_.place(node)] = free[k] != 0 ? static_cast<float>(1.0 / mass[k]) : 0.0f;
+  }
+  matrix_.inertia = inertia_.data();
+  matrix_.free = free_.data();
+}
+
+void SheetSystem::set_step(double tau, double mass_rate, Jacobian kind) {
+  matrix_.damping = static_cast<float>(damping_time_ / tau);
+  matrix_.bending = static_cast<float>(1.0 + bending_damping_ / tau);
+  matrix_.transverse = kind == Jacobian::kAxial ? 0.0f : 1.0f;
+  multigrid_.tune(mass_rate, 1.0 + damping_time_ / tau);
+}
+
+void SheetSystem::linearise(Xyz<double> x, const SheetShape<double>& shape) {
+  kernels_.narrow(shape, x, x_.data());
+  kernels_.linearise(rows_.shape(), x_.data(), matrix_);
+  if (!couplings_.empty() || !patched_.empty()) patch_diagonal();
+}
+
+/// Diagonal blocks of nodes that couplings name.
+void SheetSystem::patch_diagonal() {
+  if (extra_.empty()) {
+    extra_ = rows_.make_xyz();
+    patch_of_.assign(static_cast<size_t>(rows_.shape().rows * rows_.shape().stride), -1);
+  }
+  const Xyz<float> extra = extra_.data();
+  for (std::ptrdiff_t at : patched_) {
+    extra.x[at] = extra.y[at] = extra.z[at] = 0.0f;
+    patch_of_[static_cast<size_t>(at)] = -1;
+  }
+  patched_.clear();
+  blocks_.clear();
+  for (const SheetCoupling& c : couplings_) {
+    double common = 0.0;
+    for (int k = 0; k < c.count; ++k) common += c.weight[static_cast<size_t>(k)];
+    for (int k = 0; k < c.count; ++k) {
+      const std::ptrdiff_t at = c.place[static_cast<size_t>(k)];
+      int& patch = patch_of_[static_cast<size_t>(at)];
+      if (patch < 0) {
+        patch = static_cast<int>(patched_.size());
+        patched_.push_back(at);
+        blocks_.push_back(Mat3::Zero());
+      }
+      const double w = c.weight[static_cast<size_t>(k)];
+      blocks_[static_cast<size_t>(patch)] += w * w * c.matrix;
+      extra.x[at] += static_cast<float>(w * common * c.matrix(0, 0));
+      extra.y[at] += static_cast<float>(w * common * c.matrix(1, 1));
+      extra.z[at] += static_cast<float>(w * common * c.matrix(2, 2));
+    }
+  }
+  for (size_t k = 0; k < patched_.size(); ++k) {
+    const std::ptrdiff_t at = patched_[k];
+    if (free_.data()[at] == 0.0f) continue;
+    Mat3 inverse;
+    const auto entry = [&](size_t e) { return static_cast<double>(inverse_[e].data()[at]); };
+    inverse << entry(0), entry(1), entry(2), entry(1), entry(3), entry(4), entry(2), entry(4), entry(5);
+    // (D + E)^-1 = (1 + D^-1 E)^-1 D^-1.
+    const Mat3 whole = (Mat3::Identity() + inverse * blocks_[k]).inverse() * inverse;
+    const Mat3 both = 0.5 * (whole + whole.transpose());
+    const std::array<double, 6> entries{both(0, 0), both(0, 1), both(0, 2), both(1, 1), both(1, 2), both(2, 2)};
+    for (size_t e = 0; e < entries.size(); ++e) inverse_[e].data()[at] = static_cast<float>(entries[e]);
+  }
+  multigrid_.set_extra(patched_.empty() ? Xyz<float>{nullptr, nullptr, nullptr} : extra);
+}
+
+/// y += sign W^T H W p; work += p^T W^T H W p.
+void SheetSystem::add_couplings(Xyz<float> p, float sign, Xyz<float> y, double* work) const {
+  for (const SheetCoupling& c : couplings_) {
+    Vec3 moved = Vec3::Zero();
+    for (int k = 0; k < c.count; ++k) {
+      const std::ptrdiff_t at = c.place[static_cast<size_t>(k)];
+      moved += c.weight[static_cast<size_t>(k)] * Vec3(p.x[at], p.y[at], p.z[at]);
+    }
+    const Vec3 force = c.matrix * moved;
+    if (work != nullptr) *work += moved.dot(force);
+    for (int k = 0; k < c.count; ++k) {
+      const std::ptrdiff_t at = c.place[static_cast<size_t>(k)];
+      const Vec3 share = static_cast<double>(sign) * c.weight[static_cast<size_t>(k)] * force;
+      y.x[at] += static_cast<float>(share[0]);
+      y.y[at] += static_cast<float>(share[1]);
+      y.z[at] += static_cast<float>(share[2]);
+    }
+  }
+}
+
+double SheetSystem::multiply(Xyz<float> p, Xyz<float> y) {
+  double work = kernels_.multiply(rows_.shape(), matrix_, p, y, rows_.scratch());
+  if (!couplings_.empty()) add_couplings(p, 1.0f, y, &work);
+  return work;
+}
+
+/// z = the preconditioner times r; returns r . z. Uses y_.
+double SheetSystem::apply(Xyz<float> r, Xyz<float> z) {
+  const SheetShape<float>& shape = rows_.shape();
+  const Xyz<float> y = y_.data();
+  static const bool additive = getenv("SS_ADD") != nullptr;
+  if (additive) {
+    kernels_.relax_first(shape, matrix_, 1.0f, r, z);
+    multigrid_.correct(r, z);
+    return kernels_.relax(shape, matrix_, 0.0f, r, z, r);
+  }
+  kernels_.relax_first(shape, matrix_, kSweep, r, z);
+  kernels_.residue(shape, matrix_, z, r, y, rows_.scratch());
+  if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
+  multigrid_.correct(y, z);
+  kernels_.residue(shape, matrix_, z, r, y, rows_.scratch());
+  if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
+  return kernels_.relax(shape, matrix_, kSweep, y, z, r);
+}
+
+double SheetSystem::solve(const LinearTolerance& tolerance, double start, double free_count, LinearReport* report) {
+  const SheetShape<float>& shape = rows_.shape();
+  const Xyz<float> r = r_.data(), z = z_.data(), p = p_.data(), y = y_.data(), x = step_.data();
+  step_.clear();
+  const double enough = std::max(tolerance.absolute, tolerance.relative * start);
+  const double squares = enough * enough * free_count;
+  double slope = 0.0, before = 0.0;
+  *report = LinearReport();
+  report->solved = false;
+  while (report->iterations < tolerance.iterations && !report->solved) {
+    const double rz = apply(r, z);
+    kernels_.turn(shape, z, before > 0.0 ? static_cast<float>(rz / before) : 0.0f, p);
+    const double curvature = multiply(p, y);
+    if (!(curvature > 0.0) || !(rz > 0.0)) break;  // nothing left in single precision
+    const double alpha = rz / curvature;
+    slope += alpha * rz;
+    before = rz;
+    const double left = kernels_.descend(shape, static_cast<float>(alpha), p, y, weight_.data(), x, r);
+    ++report->iterations;
+    report->solved = left <= squares;
+  }
+  return slope;
+}
+
+}  // namespace deformable_sim

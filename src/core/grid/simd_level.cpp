@@ -1,0 +1,81 @@
+// Which instruction sets this machine has, and the kernels made for each.
+#include <cstdlib>
+#include <string>
+
+#include "deformable_sim/core/grid/stage_kernels.h"
+
+namespace deformable_sim {
+
+#define DEFORMABLE_SIM_KERNELS(level)          \
+  namespace level {                            \
+  extern const SheetKernels<float> kernels_f;  \
+  extern const SheetKernels<double> kernels_d; \
+  extern const StageKernels stage_kernels;     \
+  }
+DEFORMABLE_SIM_KERNELS(simd_sse2)
+#if defined(__x86_64__)
+DEFORMABLE_SIM_KERNELS(simd_avx2)
+DEFORMABLE_SIM_KERNELS(simd_avx512)
+#endif
+#undef DEFORMABLE_SIM_KERNELS
+
+namespace {
+
+SimdLevel widest() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return SimdLevel::kAvx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return SimdLevel::kAvx2;
+#endif
+  return SimdLevel::kSse2;
+}
+
+}  // namespace
+
+SimdLevel simd_level() {
+  const SimdLevel most = widest();
+  const char* wanted = std::getenv("DEFORMABLE_SIM_SIMD");
+  if (wanted == nullptr) return most;
+  for (SimdLevel level : {SimdLevel::kSse2, SimdLevel::kAvx2}) {
+    if (std::string(wanted) == name_of(level) && level < most) return level;
+  }
+  return most;
+}
+
+const char* name_of(SimdLevel level) {
+  switch (level) {
+    case SimdLevel::kAvx512:
+      return "avx512";
+    case SimdLevel::kAvx2:
+      return "avx2";
+    case SimdLevel::kSse2:
+      break;
+  }
+  return "sse2";
+}
+
+#if defined(__x86_64__)
+const SheetKernels<float>& sheet_kernels(SimdLevel level, float) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::kernels_f;
+  return level == SimdLevel::kAvx2 ? simd_avx2::kernels_f : simd_sse2::kernels_f;
+}
+const SheetKernels<double>& sheet_kernels(SimdLevel level, double) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::kernels_d;
+  return level == SimdLevel::kAvx2 ? simd_avx2::kernels_d : simd_sse2::kernels_d;
+}
+const StageKernels& stage_kernels(SimdLevel level) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::stage_kernels;
+  return level == SimdLevel::kAvx2 ? simd_avx2::stage_kernels : simd_sse2::stage_kernels;
+}
+#else
+const StageKernels& stage_kernels(SimdLevel) {
+  return simd_sse2::stage_kernels;
+}
+const SheetKernels<float>& sheet_kernels(SimdLevel, float) {
+  return simd_sse2::kernels_f;
+}
+const SheetKernels<double>& sheet_kernels(SimdLevel, double) {
+  return simd_sse2::kernels_d;
+}
+#endif
+
+}  // namespace deformable_sim

@@ -1,0 +1,264 @@
+// Velocity Verlet in parts as short as the body asks for, within one step of the world.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "deformable_sim/core/integrator/impulse_contacts.h"
+#include "deformable_sim/core/integrator/schemes.h"
+#include "deformable_sim/core/integrator/sheet_motion.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr double kSafety = 0.95;
+constexpr int kRemeasureSteps = 500;  // a limit changes little while the rest shape is the same
+constexpr int kMostParts = 100000;
+
+/// Kick h/2; drift h, kick h, ...; drift h, kick h/2. Damping acts with the velocity in the middle of a part, drag per
+/// mass semi-implicitly. Sheets on grids move in rows (SheetMotion); all other nodes, and terms that are neither part
+/// of such a sheet nor proportional to mass, as in the generic schemes.
+template <class Real>
+class SubsteppedVerlet : public Integrator {
+ public:
+  SubsteppedVerlet() : parts_scheme_(make_symplectic_euler()) {}
+
+  std::string name() const override { return "substepped_verlet"; }
+  Needs needs() const override { return {false, true}; }
+  int order() const override { return 2; }
+  int order_with_velocity_forces() const override { return 1; }
+  double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
+  void reset() override { prepared_ = false; }
+
+  StepReport advance(double dt, Dynamics* d, State* s) override {
+    if (!prepared_) prepare(*d);
+    measure(*d, *s);
+    begin(dt, *d, *s);
+    const double parts = std::clamp(std::ceil(dt / (kSafety * stable_dt_) - 1e-9), 1.0, 1.0 * kMostParts);
+    const auto count = static_cast<int>(parts);
+    const double h = dt / parts;
+    leap(0.5 * h, h, 0.0, dt, d);
+    for (int k = 1; k < count; ++k) leap(h, h, k * h, dt, d);
+    leap(0.5 * h, 0.0, dt, dt, d);
+    finish(dt, d, s);
+    StepReport report;
+    report.converged = s->finite();
+    report.force_evaluations = count + 1;
+    if (!report.converged) measured_ago_ = kRemeasureSteps;
+    return report;
+  }
+
+ private:
+  /// Sorts the terms and lays out the sheets.
+  void prepare(const Dynamics& d) {
+    prepared_ = true;
+    if (energies_ != d.energies || stable_dt_ == 0.0) measured_ago_ = kRemeasureSteps;
+    energies_ = d.energies;
+    const Eigen::Index n = d.mass->size();
+    inverse_mass_ = d.mass->cwiseInverse();
+    for (int node : d.kinematics.node) inverse_mass_[node] = 0.0;
+    sheets_.clear();
+    sheet_of_.assign(static_cast<size_t>(n), -1);
+    std::vector<const Energy*> in_rows;
+    if (d.grids != nullptr) {
+      for (const GridSheet& grid : *d.grids) {
+        for (int k = 0; k < grid.node_count(); ++k) {
+          sheet_of_[static_cast<size_t>(grid.first_node + k)] = static_cast<int>(sheets_.size());
+        }
+        sheets_.push_back(std::make_unique<SheetMotion<Real>>(grid, *d.mass, d.kinematics.node));
+        in_rows.insert(in_rows.end(), grid.replaces.begin(), grid.replaces.end());
+      }
+    }
+    everywhere_ = MassForce();
+    weight_.setZero(3, n);
+    work_.x = work_.v = Nodes::Zero(3, n);
+    others_.clear();
+    for (const Energy* energy : d.energies) {
+      if (const MassForce* force = energy->mass_force()) {
+        everywhere_.acceleration += force->acceleration;
+        everywhere_.rate += force->rate;
+        energy->add_force(work_, &weight_);  // angles of rods have none
+      } else if (std::find(in_rows.begin(), in_rows.end(), energy) == in_rows.end()) {
+        others_.push_back(energy);
+      }
+    }
+    rest_.clear();
+    for (int i = 0; i < n; ++i) {
+      if (sheet_of_[static_cast<size_t>(i)] < 0) rest_.push_back(i);
+    }
+  }
+
+  /// Parts are leaps with damping that lags by half a part: stable as long as symplectic Euler is. Holding more nodes
+  /// lowers frequencies, so that only new terms ask for another look.
+  void measure(const Dynamics& d, const State& s) {
+    if (measured_ago_++ < kRemeasureSteps) return;
+    measured_ago_ = 1;
+    stable_dt_ = stable_step(*parts_scheme_, highest_frequency(d, s), highest_damping_rate(d, s));
+  }
+
+  void begin(double dt, const Dynamics& d, const State& s) {
+    work_.x = s.x;
+    work_.v = s.v;
+    work_.time = start_time_ = s.time;
+    work_.copy_frames(s);
+    const Kinematics& k = d.kinematics;
+    held_force_.setZero(3, static_cast<Eigen::Index>(k.node.size()));
+    held_v_.resize(3, held_force_.cols());
+    for (Eigen::Index i = 0; i < held_force_.cols(); ++i) {
+      const int node = k.node[static_cast<size_t>(i)];
+      held_v_.col(i) = s.v.col(node);
+      work_.v.col(node) = (k.target.col(i) - s.x.col(node)) / dt;
+    }
+    for (auto& sheet : sheets_) sheet->load(work_.x, work_.v);
+    impulse_.assign(d.contacts.size(), Vec3::Zero());
+    if (!d.contacts.empty()) find_contact_nodes(d);
+  }
+
+  /// A kick at `time` (s from the start of the step) and the drift after it.
+  void leap(double kick, double drift, double time, double dt, Dynamics* d) {
+    work_.time = start_time_ + time;
+    const Nodes* more = others_.empty() ? nullptr : &force_;
+    if (more != nullptr) {
+      if (time > 0.0) {
+        for (auto& sheet : sheets_) sheet->store(&work_.x, &work_.v);
+      }
+      force_.setZero(3, work_.x.cols());
+      for (const Energy* energy : others_) energy->add_force(work_, &force_);
+    }
+    for (auto& sheet : sheets_) {
+      sheet->leap(kick, drift, everywhere_, more);
+      sheet->add_held_forces(kick / dt, &held_force_);
+    }
+    leap_rest(kick, drift, dt, *d);
+    if (!d->contacts.empty()) resolve_contacts(kick, drift, dt - time - drift, d);
+  }
+
+  void leap_rest(double kick, double drift, double dt, const Dynamics& d) {
+    if (rest_.empty()) return;
+    const double half = 0.5 * everywhere_.rate * kick;
+    for (int i : rest_) {
+      const double w = inverse_mass_[i];
+      if (w > 0.0) {
+        work_.v.col(i) += kick / (1.0 + half) * (w * weight_.col(i) - everywhere_.rate * work_.v.col(i));
+        if (!others_.empty()) work_.v.col(i) += kick / (1.0 + half) * w * force_.col(i);
+      }
+      work_.x.col(i) += drift * work_.v.col(i);
+    }
+    if (others_.empty()) return;
+    for (Eigen::Index i = 0; i < held_force_.cols(); ++i) {
+      const int node = d.kinematics.node[static_cast<size_t>(i)];
+      if (sheet_of_[static_cast<size_t>(node)] < 0) held_force_.col(i) += kick / dt * force_.col(node);
+    }
+  }
+
+  /// Contacts see the few nodes they name, gathered.
+  void find_contact_nodes(const Dynamics& d) {
+    near_.clear();
+    contacts_ = d.contacts;
+    place_of_.resize(sheet_of_.size(), -1);
+    for (ContactConstraint& c : contacts_) {
+      for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
+        int& place = place_of_[static_cast<size_t>(c.node[k])];
+        if (place < 0) {
+          place = static_cast<int>(near_.size());
+          near_.push_back(c.node[k]);
+        }
+        c.node[k] = place;
+      }
+    }
+    near_inverse_mass_.resize(static_cast<Eigen::Index>(near_.size()));
+    for (size_t k = 0; k < near_.size(); ++k) {
+      near_inverse_mass_[static_cast<Eigen::Index>(k)] = inverse_mass_[near_[k]];
+      place_of_[static_cast<size_t>(near_[k])] = -1;
+    }
+    near_state_.x.resize(3, static_cast<Eigen::Index>(near_.size()));
+    near_state_.v.resize(3, static_cast<Eigen::Index>(near_.size()));
+  }
+
+  /// Planes are given for the end of the step, `remaining` (s) from now. After the last kick no drift follows: what
+  /// would cross in the next part is stopped.
+  void resolve_contacts(double kick, double drift, double remaining, Dynamics* d) {
+    for (size_t i = 0; i < contacts_.size(); ++i) {
+      const ContactConstraint& c = d->contacts[i];
+      contacts_[i].offset = c.offset - remaining * c.normal.dot(c.surface_velocity);
+    }
+    for (size_t k = 0; k < near_.size(); ++k) {
+      const int node = near_[k], sheet = sheet_of_[static_cast<size_t>(node)];
+      Vec3 x = work_.x.col(node), v = work_.v.col(node);
+      if (sheet >= 0) sheets_[static_cast<size_t>(sheet)]->get(node, &x, &v);
+      near_state_.x.col(static_cast<Eigen::Index>(k)) = x;
+      near_state_.v.col(static_cast<Eigen::Index>(k)) = v;
+    }
+    if (drift > 0.0) {
+      impulses_.resolve(contacts_, near_inverse_mass_, drift, 1.0, &near_state_);
+    } else {
+      impulses_.resolve(contacts_, near_inverse_mass_, 2.0 * kick, 0.0, &near_state_);
+    }
+    for (size_t k = 0; k < near_.size(); ++k) {
+      const int node = near_[k], sheet = sheet_of_[static_cast<size_t>(node)];
+      if (near_inverse_mass_[static_cast<Eigen::Index>(k)] == 0.0) continue;
+      const Vec3 x = near_state_.x.col(static_cast<Eigen::Index>(k)),
+                 v = near_state_.v.col(static_cast<Eigen::Index>(k));
+      if (sheet >= 0) {
+        sheets_[static_cast<size_t>(sheet)]->set(node, x, v);
+      } else {
+        work_.x.col(node) = x;
+        work_.v.col(node) = v;
+      }
+    }
+    for (size_t i = 0; i < contacts_.size(); ++i) impulse_[i] += impulses_.impulse(i, contacts_);
+  }
+
+  void finish(double dt, Dynamics* d, State* s) {
+    for (auto& sheet : sheets_) sheet->store(&work_.x, &work_.v);
+    Kinematics& k = d->kinematics;
+    k.reaction.resize(3, held_force_.cols());
+    for (Eigen::Index i = 0; i < held_force_.cols(); ++i) {
+      const int node = k.node[static_cast<size_t>(i)];
+      const double m = (*d->mass)[node];
+      const Vec3 v = (k.target.col(i) - s->x.col(node)) / dt;
+      work_.x.col(node) = k.target.col(i);
+      work_.v.col(node) = v;
+      k.reaction.col(i) =
+          m / dt * (v - held_v_.col(i)) - held_force_.col(i) - weight_.col(node) + m * everywhere_.rate * v;
+    }
+    for (size_t i = 0; i < d->contacts.size(); ++i) d->contacts[i].force = impulse_[i] / dt;
+    std::swap(s->x, work_.x);
+    std::swap(s->v, work_.v);
+    s->time += dt;
+  }
+
+  std::unique_ptr<Integrator> parts_scheme_;
+  bool prepared_ = false;
+  int measured_ago_ = 0;
+  double stable_dt_ = 0.0;
+  std::vector<const Energy*> energies_, others_;
+  MassForce everywhere_;
+  Nodes weight_;                  // N, of all nodes: everywhere_ without its drag
+  Eigen::VectorXd inverse_mass_;  // 0 at held nodes
+  std::vector<std::unique_ptr<SheetMotion<Real>>> sheets_;
+  std::vector<int> sheet_of_;  // by node, -1: none
+  std::vector<int> rest_;      // nodes of no sheet
+
+  State work_;
+  double start_time_ = 0.0;
+  Nodes force_;                // of others_, all nodes
+  Nodes held_force_, held_v_;  // of held nodes: mean force of terms that are no MassForce; velocity at the start
+
+  ImpulseContacts impulses_;
+  ContactConstraints contacts_;  // nodes counted within near_
+  std::vector<int> near_, place_of_;
+  Eigen::VectorXd near_inverse_mass_;
+  State near_state_;
+  std::vector<Vec3> impulse_;  // N s so far, by contact
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_substepped_verlet(const SolverSettings& settings) {
+  if (settings.precision == SolverSettings::Precision::kSingle) return std::make_unique<SubsteppedVerlet<float>>();
+  return std::make_unique<SubsteppedVerlet<double>>();
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,165 @@
+// Sheets on grids: the kernels against the terms they stand for, and what is no grid.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "deformable_sim/core/energy/shell_terms.h"
+#include "deformable_sim/core/energy/terms.h"
+#include "deformable_sim/core/grid/sheet_rows.h"
+
+namespace deformable_sim::test {
+namespace {
+
+struct Features {
+  int cells_x = 0, cells_y = 0;
+  bool shear = true, damped = false, flexion = false, bending = false;
+};
+
+/// A crumpled sheet as terms and as a grid.
+class Sheet {
+ public:
+  explicit Sheet(const Features& features) {
+    const TriangleMesh mesh = make_grid(0.7, 0.5, features.cells_x, features.cells_y);
+    SheetStiffness stiffness;
+    stiffness.stretch = 300.0;
+    stiffness.shear = features.shear ? 80.0 : 0.0;
+    stiffness.bend = features.flexion ? 7.0 : 0.0;
+    stiffness.damping_time = features.damped ? 0.01 : 0.0;
+    const SpringNetwork network = sheet_network(mesh, stiffness);
+    for (const auto* links : {&network.stretch, &network.shear, &network.bend}) {
+      if (!links->empty()) terms.push_back(make_springs("springs", *links, kFirst));
+    }
+    std::vector<QuadraticWeight> weights;
+    if (features.bending) {
+      weights = grid_bending_weights(mesh, isotropic_bending(0.02, 0.3));
+      terms.push_back(make_quadratic_links("bending", weights, kBendingDamping, kFirst));
+    }
+    grid = make_grid_sheet(mesh, network, weights, kBendingDamping, kFirst);
+    const Eigen::Index n = mesh.rest.cols() + kFirst + 1;
+    state.x = state.v = Nodes::Zero(3, n);
+    state.x.middleCols(kFirst, mesh.rest.cols()) = mesh.rest;
+    std::mt19937 random(7);
+    std::normal_distribution<double> some(0.0, 0.01);
+    for (Eigen::Index i = 0; i < state.x.size(); ++i) {
+      state.x.data()[i] += some(random);
+      state.v.data()[i] += 100.0 * some(random);
+    }
+  }
+
+  Nodes force_of_terms() const {
+    Nodes f = Nodes::Zero(3, state.x.cols());
+    for (const auto& term : terms) term->add_force(state, &f);
+    return f;
+  }
+
+  template <class Real>
+  Nodes force_of_kernels(SimdLevel level) const {
+    SheetRows<Real> rows(*grid);
+    auto x = rows.make_xyz(), v = rows.make_xyz(), y = rows.make_xyz(), force = rows.make_xyz();
+    rows.load(state.x, x.data());
+    rows.load(state.v, v.data());
+    rows.load(state.x + kBendingDamping * state.v, y.data());
+    sheet_kernels(level, Real()).forces(rows.shape(), x.data(), v.data(), y.data(), force.data(), rows.scratch());
+    Nodes f = Nodes::Zero(3, state.x.cols());
+    rows.add(force.data(), &f);
+    return f;
+  }
+
+  static constexpr int kFirst = 3;
+  static constexpr double kBendingDamping = 0.02;
+  std::vector<std::unique_ptr<Energy>> terms;
+  std::optional<GridSheet> grid;
+  State state;
+};
+
+std::vector<SimdLevel> levels() {
+  std::vector<SimdLevel> all;
+  for (SimdLevel level : {SimdLevel::kSse2, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
+    if (level <= simd_level()) all.push_back(level);
+  }
+  return all;
+}
+
+TEST(SheetKernels, HaveTheForcesOfTheTermsTheyStandFor) {
+  // Equal to rounding: of each precision, relative to the largest force; with every feature, at every width, and at
+  // sizes below, at and above a register.
+  for (const auto& [cells_x, cells_y] : {std::pair(1, 1), {2, 3}, {7, 4}, {15, 9}, {16, 2}, {33, 17}}) {
+    for (int bits = 0; bits < 16; ++bits) {
+      const Sheet sheet({cells_x, cells_y, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0});
+      ASSERT_TRUE(sheet.grid) << bits;
+      const Nodes expected = sheet.force_of_terms();
+      const double size = expected.cwiseAbs().maxCoeff();
+      for (SimdLevel level : levels()) {
+        EXPECT_LT((sheet.force_of_kernels<double>(level) - expected).cwiseAbs().maxCoeff(), 1e-13 * size)
+            << cells_x << " x " << cells_y << ", " << bits << ", " << name_of(level);
+        EXPECT_LT((sheet.force_of_kernels<float>(level) - expected).cwiseAbs().maxCoeff(), 3e-5 * size)
+            << cells_x << " x " << cells_y << ", " << bits << ", " << name_of(level);
+      }
+    }
+  }
+}
+
+TEST(SheetKernels, HaveNoForceBetweenNodesAtOnePlace) {
+  // d = 0: no direction; nothing that is not a number.
+  Sheet sheet({4, 4, true, true, true, true});
+  sheet.state.x.setZero();
+  sheet.state.v.setZero();
+  for (SimdLevel level : levels()) EXPECT_EQ(sheet.force_of_kernels<float>(level).cwiseAbs().maxCoeff(), 0.0f);
+}
+
+TEST(GridSheet, IsMadeOfUniformNetworksOnly) {
+  const TriangleMesh mesh = make_grid(0.3, 0.3, 5, 4);
+  SheetStiffness stiffness;
+  stiffness.membrane = 100.0;
+  const SpringNetwork good = sheet_network(mesh, stiffness);
+  EXPECT_TRUE(make_grid_sheet(mesh, good, {}, 0.0, 0));
+  const auto refused = [&](auto spoil) {
+    SpringNetwork network = good;
+    spoil(&network);
+    return !make_grid_sheet(mesh, network, {}, 0.0, 0);
+  };
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->stretch[3].stiffness *= 1.01; }));
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->stretch[3].rest_length *= 1.01; }));
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->stretch[3].damping = 1.0; }));
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->stretch.pop_back(); }));
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->stretch[3].b = 12; }));
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->shear.pop_back(); }));
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->shear[2].stiffness *= 0.9; }));
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->bend[2].stiffness *= 0.9; }));
+  EXPECT_TRUE(refused([](SpringNetwork* n) { n->stretch.clear(); }));
+  EXPECT_FALSE(make_grid_sheet(mesh, good, {{0, 4, 1.0}}, 0.0, 0)) << "beyond the stencil";
+  TriangleMesh no_grid = mesh;
+  no_grid.rows = no_grid.cols = 0;
+  EXPECT_FALSE(make_grid_sheet(no_grid, good, {}, 0.0, 0));
+}
+
+TEST(GridBending, HasThePlateEnergyOfUniformCurvatureInAnyDirection) {
+  // z = 1/2 (a x^2 + 2 b x y + c y^2): E / A = 1/2 k^T D k, k = (a, c, 2 b), per inner node and cell.
+  const TriangleMesh mesh = make_grid(0.6, 0.5, 6, 8);
+  BendingMaterial material = isotropic_bending(0.02, 0.3);
+  material.weft = 0.015;
+  const Mat3 d = plate_stiffness(material);
+  const double cell = 0.1 * 0.0625, twisted = 0.6 * 0.5, inner = cell * 5 * 7;
+  const double sides_x = cell * 5, sides_y = cell * 7;  // two edges of half weight
+  for (const Vec3& k : {Vec3(0.3, 0, 0), Vec3(0, 0.4, 0), Vec3(0, 0, 0.5), Vec3(0.2, -0.3, 0.1), Vec3(0.1, 0.1, 0.2)}) {
+    State state;
+    state.x = mesh.rest;
+    state.v = Nodes::Zero(3, mesh.rest.cols());
+    for (Eigen::Index i = 0; i < state.x.cols(); ++i) {
+      const double x = mesh.rest(0, i), y = mesh.rest(1, i);
+      state.x(2, i) = 0.5 * (k[0] * x * x + k[2] * x * y + k[1] * y * y);
+    }
+    const auto term = make_quadratic_links("bending", grid_bending_weights(mesh, material), 0.0, 0);
+    const double bent = d(0, 0) * k[0] * k[0] + 2.0 * d(0, 1) * k[0] * k[1] + d(1, 1) * k[1] * k[1];
+    const double expected = 0.5 * (inner * bent + twisted * d(2, 2) * k[2] * k[2] +
+                                   sides_x * (d(0, 0) - d(0, 1) * d(0, 1) / d(1, 1)) * k[0] * k[0] +
+                                   sides_y * (d(1, 1) - d(0, 1) * d(0, 1) / d(0, 0)) * k[1] * k[1]);
+    // Links are some 1e4 times longer than what they leave of each other.
+    EXPECT_NEAR(term->value(state), expected, 1e-10 * expected);
+  }
+}
+
+}  // namespace
+}  // namespace deformable_sim::test

@@ -1,0 +1,127 @@
+// Explicit steps in parts: the same motion as velocity Verlet makes, with and without rows of a grid.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "deformable_sim/core/energy/shell_terms.h"
+#include "support/system.h"
+
+namespace deformable_sim::test {
+namespace {
+
+/// A sheet hung from a corner, beside two nodes on a spring that belong to no sheet.
+struct Scene {
+  explicit Scene(bool in_rows, double damping = 0.0, bool hold = true) {
+    const TriangleMesh mesh = make_grid(0.4, 0.3, 12, 9);
+    const auto n = mesh.rest.cols();
+    Nodes x(3, n + 2);
+    x.leftCols(n) = mesh.rest;
+    x.col(n) = Vec3(2, 0, 0);
+    x.col(n + 1) = Vec3(2.15, 0, 0);
+    Eigen::VectorXd mass = Eigen::VectorXd::Constant(n + 2, 0.01);
+    mass.head(n) = sheet_masses(mesh, 0.2);
+    body = std::make_unique<System>(x, mass);
+    SheetStiffness stiffness;
+    stiffness.membrane = 200.0;
+    stiffness.bend = 2.0;
+    stiffness.damping_time = damping;
+    const SpringNetwork network = sheet_network(mesh, stiffness);
+    const auto weights = grid_bending_weights(mesh, isotropic_bending(1e-4, 0.2));
+    body->add_springs(network).add(make_quadratic_links("bending", weights, damping, 0));
+    const std::vector<const Energy*> terms = body->dynamics.energies;
+    body->add(make_springs("springs", {{static_cast<int>(n), static_cast<int>(n) + 1, 0.1, 50.0, 0.0}}, 0));
+    body->add_gravity();
+    if (damping > 0.0) body->add(make_mass_damping(mass, 2.0));
+    if (hold) body->hold(0);
+    if (!in_rows) return;
+    grids.push_back(*make_grid_sheet(mesh, network, weights, damping, 0));
+    grids[0].replaces = terms;
+    body->dynamics.grids = &grids;
+  }
+
+  std::unique_ptr<System> body;
+  std::vector<GridSheet> grids;
+};
+
+TEST(SubsteppedVerlet, IsVelocityVerletInPartsOfTheStep) {
+  // Without forces of velocity the merged kicks are those of velocity Verlet with the parts as steps: equal to
+  // rounding, and so is the mean force at the held node.
+  for (const bool in_rows : {false, true}) {
+    Scene parts(in_rows), whole(false);
+    const auto cutting = make_integrator("substepped_verlet", {}), plain = make_integrator("velocity_verlet", {});
+    for (int k = 0; k < 10; ++k) {
+      Vec3 reaction = Vec3::Zero();
+      const Vec3 target = parts.body->state.x.col(0) + Vec3(0.001, 0, 0.002);
+      parts.body->dynamics.kinematics.target.col(0) = target;
+      const int count = parts.body->step(*cutting, 0.01).force_evaluations - 1;
+      ASSERT_GT(count, 5);
+      const Vec3 start = whole.body->state.x.col(0);
+      for (int i = 1; i <= count; ++i) {
+        whole.body->dynamics.kinematics.target.col(0) = start + i * (target - start) / count;
+        whole.body->step(*plain, 0.01 / count);
+        reaction += whole.body->dynamics.kinematics.reaction.col(0) / count;
+      }
+      EXPECT_LT((parts.body->state.x - whole.body->state.x).cwiseAbs().maxCoeff(), 1e-12) << in_rows << k;
+      EXPECT_LT((parts.body->state.v - whole.body->state.v).cwiseAbs().maxCoeff(), 1e-10);
+      EXPECT_LT((parts.body->dynamics.kinematics.reaction.col(0) - reaction).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(SubsteppedVerlet, MovesASheetInRowsAsItMovesItsTerms) {
+  // With damping of springs, of bending and of mass: terms and rows are the same forces.
+  Scene rows(true, 0.003), terms(false, 0.003), single(true, 0.003);
+  SolverSettings half;
+  half.precision = SolverSettings::Precision::kSingle;
+  const auto a = make_integrator("substepped_verlet", {}), b = make_integrator("substepped_verlet", {});
+  const auto c = make_integrator("substepped_verlet", half);
+  for (int k = 0; k < 20; ++k) {
+    rows.body->step(*a, 0.01);
+    terms.body->step(*b, 0.01);
+    single.body->step(*c, 0.01);
+  }
+  EXPECT_GT((rows.body->state.x - Scene(true).body->state.x).cwiseAbs().maxCoeff(), 0.05);
+  // The drag per mass is semi-implicit in both; the order of additions differs.
+  EXPECT_LT((rows.body->state.x - terms.body->state.x).cwiseAbs().maxCoeff(), 1e-11);
+  EXPECT_LT((rows.body->state.x - single.body->state.x).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_GT((rows.body->state.x - single.body->state.x).cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(SubsteppedVerlet, KeepsTheMomentumOfAFreeSheet) {
+  // Internal forces are opposite pairs: p = p0 + m g t.
+  Scene scene(true, 0.0, false);
+  for (Eigen::Index i = 0; i < scene.body->state.x.cols(); ++i) scene.body->state.v(2, i) = 0.3 * std::sin(7.0 * i);
+  const Vec3 before = scene.body->state.v * scene.body->mass;
+  const auto integrator = make_integrator("substepped_verlet", {});
+  for (int k = 0; k < 20; ++k) scene.body->step(*integrator, 0.01);
+  const Vec3 expected = before + 0.2 * scene.body->mass.sum() * Vec3(0, 0, -kGravity);
+  EXPECT_LT((scene.body->state.v * scene.body->mass - expected).norm(), 1e-13);
+}
+
+TEST(SubsteppedVerlet, LaysASheetOnAFloorWithItsWeight) {
+  // At rest the floor carries m g; every node stays on its side.
+  Scene scene(true, 0.003, false);
+  const auto n = scene.body->state.x.cols();
+  const auto integrator = make_integrator("substepped_verlet", {});
+  double mean = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    scene.body->dynamics.contacts.assign(static_cast<size_t>(n), {});
+    for (int i = 0; i < n; ++i) {
+      ContactConstraint& c = scene.body->dynamics.contacts[static_cast<size_t>(i)];
+      c.node[0] = i;
+      c.offset = -0.05;
+      c.friction = 0.5;
+    }
+    scene.body->step(*integrator, 0.01);
+    EXPECT_GT(scene.body->state.x.row(2).minCoeff(), -0.05 - 1e-12);
+    if (k < 80) continue;
+    for (const ContactConstraint& c : scene.body->dynamics.contacts) mean += c.force.z() / 20.0;
+  }
+  // It still settles: 1e-3 m/s in 0.2 s are 0.02 % of g.
+  EXPECT_NEAR(mean / (scene.body->mass.sum() * kGravity), 1.0, 1e-3);
+  EXPECT_LT(scene.body->state.v.cwiseAbs().maxCoeff(), 1e-3);
+}
+
+}  // namespace
+}  // namespace deformable_sim::test
