@@ -16,7 +16,8 @@ SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass
       multigrid_(sheet, mass, free),
       damping_time_(sheet.damping_time),
       bending_damping_(sheet.bending_damping),
-      springs_(rows_.shape().has_flexion ? SheetMatrix::kSprings : 4),
+      springs_(sheet.rows, SheetMatrix::kNumbers * SheetMatrix::kSprings * rows_.shape().stride),
+      passed_(1, SheetMatrix::kPassed * rows_.shape().stride),
       inertia_(rows_.make_array()),
       free_(rows_.make_array()),
       weight_(rows_.make_array()),
@@ -26,10 +27,13 @@ SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass
       p_(rows_.make_xyz()),
       y_(rows_.make_xyz()),
       step_(rows_.make_xyz()) {
-  for (size_t k = 0; k < springs_.size(); ++k) {
-    for (auto& part : springs_[k]) part = rows_.make_array();
-    matrix_.springs[k] = {springs_[k][0].data(), springs_[k][1].data(), springs_[k][2].data(), springs_[k][3].data()};
+  matrix_.springs = springs_.data();
+  matrix_.passed = passed_.data();
+  if (rows_.shape().has_flexion) {
+    long_springs_ = {sheet.rows, SheetMatrix::kNumbers * SheetMatrix::kLongSprings * rows_.shape().stride};
+    matrix_.long_springs = long_springs_.data();
   }
+  if (!sheet.bending.empty()) pack_bending(sheet.bending);
   for (size_t k = 0; k < inverse_.size(); ++k) {
     inverse_[k] = rows_.make_array();
     matrix_.inverse[k] = inverse_[k].data();
@@ -43,9 +47,26 @@ SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass
   matrix_.free = free_.data();
 }
 
+/// Coefficients as SheetMatrix wants them.
+void SheetSystem::pack_bending(const GridStencil& bending) {
+  const int width = kernels_.width;
+  for (const GridStencil::Row& kind : bending.kind) {
+    bending_.emplace_back(1, SheetMatrix::kBending * rows_.shape().stride);
+    float* to = bending_.back().data();
+    for (size_t k = 0; k < kind.size(); ++k) {
+      for (size_t col = 0; col < kind[k].size(); ++col) {
+        const size_t lane = col % static_cast<size_t>(width);
+        to[(col - lane) * kind.size() + k * static_cast<size_t>(width) + lane] = static_cast<float>(kind[k][col]);
+      }
+    }
+  }
+  for (int kind : bending.kind_of_row) bending_rows_.push_back(bending_[static_cast<size_t>(kind)].data());
+  matrix_.bending = bending_rows_.data();
+}
+
 void SheetSystem::set_step(double tau, double mass_rate, Jacobian kind) {
   matrix_.damping = static_cast<float>(damping_time_ / tau);
-  matrix_.bending = static_cast<float>(1.0 + bending_damping_ / tau);
+  matrix_.bending_factor = static_cast<float>(1.0 + bending_damping_ / tau);
   matrix_.transverse = kind == Jacobian::kAxial ? 0.0f : 1.0f;
   multigrid_.tune(mass_rate, 1.0 + damping_time_ / tau);
 }
@@ -123,7 +144,7 @@ void SheetSystem::add_couplings(Xyz<float> p, float sign, Xyz<float> y, double* 
 }
 
 double SheetSystem::multiply(Xyz<float> p, Xyz<float> y) {
-  double work = kernels_.multiply(rows_.shape(), matrix_, p, y, rows_.scratch());
+  double work = kernels_.multiply(rows_.shape(), matrix_, p, y);
   if (!couplings_.empty()) add_couplings(p, 1.0f, y, &work);
   return work;
 }
@@ -132,17 +153,11 @@ double SheetSystem::multiply(Xyz<float> p, Xyz<float> y) {
 double SheetSystem::apply(Xyz<float> r, Xyz<float> z) {
   const SheetShape<float>& shape = rows_.shape();
   const Xyz<float> y = y_.data();
-  static const bool additive = getenv("SS_ADD") != nullptr;
-  if (additive) {
-    kernels_.relax_first(shape, matrix_, 1.0f, r, z);
-    multigrid_.correct(r, z);
-    return kernels_.relax(shape, matrix_, 0.0f, r, z, r);
-  }
   kernels_.relax_first(shape, matrix_, kSweep, r, z);
-  kernels_.residue(shape, matrix_, z, r, y, rows_.scratch());
+  kernels_.residue(shape, matrix_, z, r, y);
   if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
   multigrid_.correct(y, z);
-  kernels_.residue(shape, matrix_, z, r, y, rows_.scratch());
+  kernels_.residue(shape, matrix_, z, r, y);
   if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
   return kernels_.relax(shape, matrix_, kSweep, y, z, r);
 }

@@ -55,6 +55,7 @@ class SheetSystem {
   void precondition(Xyz<float> r, Xyz<float> z) { apply(r, z); }
 
  private:
+  void pack_bending(const GridStencil& bending);
   void patch_diagonal();
   double apply(Xyz<float> r, Xyz<float> z);
   void add_couplings(Xyz<float> p, float sign, Xyz<float> y, double* work) const;
@@ -64,7 +65,9 @@ class SheetSystem {
   SheetMultigrid multigrid_;
   SheetMatrix matrix_{};
   double damping_time_, bending_damping_;
-  std::vector<std::array<RowArray<float>, 4>> springs_;
+  RowArray<float> springs_, long_springs_, passed_;
+  std::vector<RowArray<float>> bending_;  // of each kind of row
+  std::vector<const float*> bending_rows_;
   std::array<RowArray<float>, 6> inverse_;
   RowArray<float> inertia_, free_, weight_;
   XyzArray<float> x_, r_, z_, p_, y_, step_;

@@ -40,20 +40,23 @@ struct SheetResidualSums {
 };
 
 /// A = inertia + bending K + springs, of each spring q q^T + t: a symmetric matrix, applied without being assembled.
+///
+/// What belongs to the nodes of one register lies together, so that one pointer finds it: number k of the nodes from `at`
+/// on at numbers * at + k * width, `at` a multiple of the width.
 struct SheetMatrix {
-  static constexpr int kSprings = 6;
-  struct Springs {
-    float *x, *y, *z;  // q, (N/m)^(1/2)
-    float* t;          // N/m
-  };
-  /// Of each node the springs to the right, down, down to the right, down to the left, and over two cells.
-  Springs springs[kSprings];
-  float damping;         // springs: their damping_time / tau
-  float bending;         // 1 + bending_damping / tau
-  float transverse;      // 1, or 0: springs without their transverse part
-  const float* inertia;  // kg/s^2 by node
-  const float* free;     // 1 by node, 0 at held nodes and where there is none
-  float* inverse[6];     // of the diagonal blocks, m/N: xx, xy, xz, yy, yz, zz; 0 where `free` is
+  static constexpr int kNumbers = 4;                       // of a spring: q, (N/m)^(1/2), and t, N/m
+  static constexpr int kSprings = 4, kLongSprings = 2;     // of a node
+  static constexpr int kBending = 13, kPassed = 9;
+  float* springs;       // to the right, down, down to the right, down to the left
+  float* long_springs;  // over two cells, to the right and down; null: none
+  const float* const* bending;  // by row: coefficients over kStencil, columns in the place of nodes; null: none
+  float* passed;                // space for one row of forces on the next: of the springs down
+  float damping;                // springs: their damping_time / tau
+  float bending_factor;         // 1 + bending_damping / tau
+  float transverse;             // 1, or 0: springs without their transverse part
+  const float* inertia;         // kg/s^2 by node
+  const float* free;            // 1 by node, 0 at held nodes and where there is none
+  float* inverse[6];            // of the diagonal blocks, m/N: xx, xy, xz, yy, yz, zz; 0 where `free` is
 };
 
 /// A coarser grid: a symmetric matrix of nine entries a node, the same for x, y and z but for the diagonal.
@@ -68,6 +71,7 @@ struct CoarseGrid {
 };
 
 struct StageKernels {
+  int width;  // numbers a register, single precision
   void (*start)(const SheetShape<double>&, const SheetStart&);
   void (*end)(const SheetShape<double>&, const SheetEnd&);
   /// x, v and y = x + bending_damping v from columns of points.
@@ -81,11 +85,9 @@ struct StageKernels {
   /// Springs and inverse diagonal blocks of the matrix at x.
   void (*linearise)(const SheetShape<float>&, Xyz<float> x, const SheetMatrix&);
   /// y = A p; returns p . y.
-  double (*multiply)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> p, Xyz<float> y,
-                     const SheetScratch<float>&);
+  double (*multiply)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> p, Xyz<float> y);
   /// y = r - A p.
-  void (*residue)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> p, Xyz<float> r, Xyz<float> y,
-                  const SheetScratch<float>&);
+  void (*residue)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> p, Xyz<float> r, Xyz<float> y);
   /// z = omega D^-1 r.
   void (*relax_first)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> r, Xyz<float> z);
   /// z += omega D^-1 y; returns r . z.
