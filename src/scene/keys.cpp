@@ -64,10 +64,16 @@ Table<StepSpec> step_table() {
           const bool single = read_choice(v, path, {"double", "single"}) == "single";
           out->solver.precision = single ? SolverSettings::Precision::kSingle : SolverSettings::Precision::kDouble;
         });
+  t.number(
+      "fraction_of_limit", "", [](StepSpec& s) -> double& { return s.solver.fraction_of_limit; }, above(0, 0.95),
+      "Length of the parts of substepped_verlet over the longest stable one; its error shrinks with the square.");
   t.add(
       {"linear_solver", "word", "", "banded with ropes alone, a stiff rope or a rope beside other bodies, else cg",
        "cg, direct, banded, multigrid",
-       "Preconditioned conjugate gradient, sparse factorisation, or factorisation of ropes and cg for all else. A rope "
+       "Preconditioned conjugate gradient, sparse factorisation, factorisation of ropes and cg for all else, or (cloth "
+       "on "
+       "grids of springs, without drag_coefficient; cg in other scenes; implicit_euler, bdf2 and tr_bdf2) conjugate "
+       "gradient with multigrid on rows of the grid, the matrix never assembled: the fastest at some percent. A rope "
        "is stiff when sqrt(EA / linear_density) dt > 200 length / segments: a wave of tension passes 200 segments in a "
        "step; 20 when its material is a name."},
       [](const YamlValue& v, const std::string& path, StepSpec* out) {

@@ -1,6 +1,8 @@
 """The reports of `./run study`: what they read, what they pass, and that they need no matplotlib."""
+import contextlib
 import importlib.machinery
 import importlib.util
+import io
 import json
 import math
 import os
@@ -144,8 +146,9 @@ class WorkPrecision(unittest.TestCase):
             for name, text in (('swing.json', PRECISION), ('swing.summary.json', {'name': 'swing', 'front': []})):
                 with open(os.path.join(folder, name), 'w', encoding='utf-8') as stream:
                     json.dump(text, stream)
-            study = self.report.write_scene(os.path.join(folder, 'swing'), None)
-            self.report.write_suite(folder, [study])
+            with contextlib.redirect_stdout(io.StringIO()):
+                study = self.report.write_scene(os.path.join(folder, 'swing'), None)
+                self.report.write_suite(folder, [study])
             with open(os.path.join(folder, 'suite.html'), encoding='utf-8') as stream:
                 self.assertIn('bdf2, cg 0.1 x 200, Newton 1', stream.read())
             with open(os.path.join(folder, 'suite.summary.json'), encoding='utf-8') as stream:

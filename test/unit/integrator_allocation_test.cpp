@@ -5,6 +5,7 @@
 
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/energy/solid_terms.h"
+#include "deformable_sim/core/grid/grid_sheet.h"
 #include "deformable_sim/core/strain_limit.h"
 #include "support/system.h"
 
@@ -66,6 +67,45 @@ TEST_P(WarmStep, OfAVolumeAllocatesNothing) {
     for (int k = 0; k < 5; ++k) body.step(*integrator, 1e-4);
     counting = false;
     EXPECT_EQ(allocations, 0) << quadratic;
+  }
+}
+
+TEST(WarmStep, OfASheetByMultigridAllocatesNothing) {
+  // With contacts, which set the coarse operators up anew, and with fewer of them in every other step.
+  const TriangleMesh mesh = make_grid(0.6, 0.5, 14, 11);
+  SheetStiffness stiffness;
+  stiffness.membrane = 100.0;
+  stiffness.damping_time = 1e-3;
+  const SpringNetwork network = sheet_network(mesh, stiffness);
+  for (const char* name : {"implicit_euler", "bdf2", "tr_bdf2"}) {
+    System body(mesh.rest, sheet_masses(mesh, 0.2));
+    body.add_springs(network);
+    std::vector<GridSheet> grids{*make_grid_sheet(mesh, network, {}, 0.0, 0)};
+    grids[0].replaces = body.dynamics.energies;
+    body.dynamics.grids = &grids;
+    body.add_gravity().add(make_mass_damping(body.mass, 0.1)).hold(0);
+    SolverSettings settings;
+    settings.linear = SolverSettings::Linear::kMultigrid;
+    const auto integrator = make_integrator(name, settings);
+    ContactConstraints contacts(36);
+    for (int i = 0; i < 36; ++i) {
+      contacts[static_cast<size_t>(i)].node[0] = i;
+      contacts[static_cast<size_t>(i)].friction = 0.4;
+      contacts[static_cast<size_t>(i)].offset = -1e-5;
+    }
+    body.dynamics.contacts.reserve(36);
+    const auto step = [&](int k) {
+      body.dynamics.contacts.assign(contacts.begin(), contacts.end() - (k % 2) * 10);
+      return body.step(*integrator, 1e-3);
+    };
+    for (int k = 0; k < 6; ++k) step(k);
+    allocations = 0;
+    counting = true;
+    int iterations = 0;
+    for (int k = 0; k < 6; ++k) iterations += step(k).linear_iterations;
+    counting = false;
+    EXPECT_EQ(allocations, 0) << name;
+    EXPECT_GT(iterations, 0) << name;
   }
 }
 

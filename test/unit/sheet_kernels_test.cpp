@@ -1,93 +1,17 @@
 // Sheets on grids: the kernels against the terms they stand for, and what is no grid.
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <random>
-#include <vector>
-
-#include "deformable_sim/core/energy/shell_terms.h"
-#include "deformable_sim/core/energy/terms.h"
-#include "deformable_sim/core/grid/sheet_rows.h"
+#include "support/grid_terms.h"
 
 namespace deformable_sim::test {
 namespace {
-
-struct Features {
-  int cells_x = 0, cells_y = 0;
-  bool shear = true, damped = false, flexion = false, bending = false;
-};
-
-/// A crumpled sheet as terms and as a grid.
-class Sheet {
- public:
-  explicit Sheet(const Features& features) {
-    const TriangleMesh mesh = make_grid(0.7, 0.5, features.cells_x, features.cells_y);
-    SheetStiffness stiffness;
-    stiffness.stretch = 300.0;
-    stiffness.shear = features.shear ? 80.0 : 0.0;
-    stiffness.bend = features.flexion ? 7.0 : 0.0;
-    stiffness.damping_time = features.damped ? 0.01 : 0.0;
-    const SpringNetwork network = sheet_network(mesh, stiffness);
-    for (const auto* links : {&network.stretch, &network.shear, &network.bend}) {
-      if (!links->empty()) terms.push_back(make_springs("springs", *links, kFirst));
-    }
-    std::vector<QuadraticWeight> weights;
-    if (features.bending) {
-      weights = grid_bending_weights(mesh, isotropic_bending(0.02, 0.3));
-      terms.push_back(make_quadratic_links("bending", weights, kBendingDamping, kFirst));
-    }
-    grid = make_grid_sheet(mesh, network, weights, kBendingDamping, kFirst);
-    const Eigen::Index n = mesh.rest.cols() + kFirst + 1;
-    state.x = state.v = Nodes::Zero(3, n);
-    state.x.middleCols(kFirst, mesh.rest.cols()) = mesh.rest;
-    std::mt19937 random(7);
-    std::normal_distribution<double> some(0.0, 0.01);
-    for (Eigen::Index i = 0; i < state.x.size(); ++i) {
-      state.x.data()[i] += some(random);
-      state.v.data()[i] += 100.0 * some(random);
-    }
-  }
-
-  Nodes force_of_terms() const {
-    Nodes f = Nodes::Zero(3, state.x.cols());
-    for (const auto& term : terms) term->add_force(state, &f);
-    return f;
-  }
-
-  template <class Real>
-  Nodes force_of_kernels(SimdLevel level) const {
-    SheetRows<Real> rows(*grid);
-    auto x = rows.make_xyz(), v = rows.make_xyz(), y = rows.make_xyz(), force = rows.make_xyz();
-    rows.load(state.x, x.data());
-    rows.load(state.v, v.data());
-    rows.load(state.x + kBendingDamping * state.v, y.data());
-    sheet_kernels(level, Real()).forces(rows.shape(), x.data(), v.data(), y.data(), force.data(), rows.scratch());
-    Nodes f = Nodes::Zero(3, state.x.cols());
-    rows.add(force.data(), &f);
-    return f;
-  }
-
-  static constexpr int kFirst = 3;
-  static constexpr double kBendingDamping = 0.02;
-  std::vector<std::unique_ptr<Energy>> terms;
-  std::optional<GridSheet> grid;
-  State state;
-};
-
-std::vector<SimdLevel> levels() {
-  std::vector<SimdLevel> all;
-  for (SimdLevel level : {SimdLevel::kSse2, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
-    if (level <= simd_level()) all.push_back(level);
-  }
-  return all;
-}
 
 TEST(SheetKernels, HaveTheForcesOfTheTermsTheyStandFor) {
   // Equal to rounding: of each precision, relative to the largest force; with every feature, at every width, and at
   // sizes below, at and above a register.
   for (const auto& [cells_x, cells_y] : {std::pair(1, 1), {2, 3}, {7, 4}, {15, 9}, {16, 2}, {33, 17}}) {
     for (int bits = 0; bits < 16; ++bits) {
-      const Sheet sheet({cells_x, cells_y, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0});
+      const GridTerms sheet({cells_x, cells_y, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0});
       ASSERT_TRUE(sheet.grid) << bits;
       const Nodes expected = sheet.force_of_terms();
       const double size = expected.cwiseAbs().maxCoeff();
@@ -103,7 +27,7 @@ TEST(SheetKernels, HaveTheForcesOfTheTermsTheyStandFor) {
 
 TEST(SheetKernels, HaveNoForceBetweenNodesAtOnePlace) {
   // d = 0: no direction; nothing that is not a number.
-  Sheet sheet({4, 4, true, true, true, true});
+  GridTerms sheet({4, 4, true, true, true, true});
   sheet.state.x.setZero();
   sheet.state.v.setZero();
   for (SimdLevel level : levels()) EXPECT_EQ(sheet.force_of_kernels<float>(level).cwiseAbs().maxCoeff(), 0.0f);

@@ -1,10 +1,12 @@
 // Explicit steps in parts: the same motion as velocity Verlet makes, with and without rows of a grid.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
 #include "deformable_sim/core/energy/shell_terms.h"
+#include "deformable_sim/core/error.h"
 #include "support/system.h"
 
 namespace deformable_sim::test {
@@ -86,6 +88,21 @@ TEST(SubsteppedVerlet, MovesASheetInRowsAsItMovesItsTerms) {
   EXPECT_LT((rows.body->state.x - terms.body->state.x).cwiseAbs().maxCoeff(), 1e-11);
   EXPECT_LT((rows.body->state.x - single.body->state.x).cwiseAbs().maxCoeff(), 1e-4);
   EXPECT_GT((rows.body->state.x - single.body->state.x).cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(SubsteppedVerlet, CutsTheStepFinerWhenAsked) {
+  // A quarter of the limit: four times the parts; refused beyond the limit and at nothing.
+  SolverSettings fine;
+  fine.fraction_of_limit = 0.95 / 4.0;
+  Scene a(true), b(true);
+  const int whole = a.body->step(*make_integrator("substepped_verlet", {}), 0.1).force_evaluations - 1;
+  const int parts = b.body->step(*make_integrator("substepped_verlet", fine), 0.1).force_evaluations - 1;
+  EXPECT_GT(parts, 4 * (whole - 1));
+  EXPECT_LE(parts, 4 * whole);
+  for (const double bad : {0.0, -1.0, 1.0, std::nan("")}) {
+    fine.fraction_of_limit = bad;
+    EXPECT_THROW(make_integrator("substepped_verlet", fine), InputError) << bad;
+  }
 }
 
 TEST(SubsteppedVerlet, KeepsTheMomentumOfAFreeSheet) {

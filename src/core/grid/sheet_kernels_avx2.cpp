@@ -29,6 +29,8 @@ static inline Double4 inverse_root(Double4 a) {
 // In this order.
 #include "sheet_kernels.inc"
 
+#include "residual_kernels.inc"
+
 #include "stage_kernels.inc"
 
 #include "coarse_kernels.inc"

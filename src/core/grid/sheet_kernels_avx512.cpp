@@ -32,6 +32,8 @@ static inline Double8 inverse_root(Double8 a) {
 // In this order.
 #include "sheet_kernels.inc"
 
+#include "residual_kernels.inc"
+
 #include "stage_kernels.inc"
 
 #include "coarse_kernels.inc"

@@ -41,6 +41,8 @@ static inline Double2 inverse_root(Double2 a) {
 // In this order.
 #include "sheet_kernels.inc"
 
+#include "residual_kernels.inc"
+
 #include "stage_kernels.inc"
 
 #include "coarse_kernels.inc"

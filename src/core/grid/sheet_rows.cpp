@@ -47,17 +47,13 @@ SheetRows<Real>::SheetRows(const GridSheet& sheet) : first_node_(sheet.first_nod
   for (int kind : sheet.bending.kind_of_row) bending_.push_back(kinds[static_cast<size_t>(kind)]);
   shape_.bending = bending_.data();
 
-  buffers_.reserve(9);
-  const auto buffer = [this] {
+  buffers_.reserve(3);
+  for (auto& force : scratch_.force) {
     buffers_.emplace_back(1, shape_.stride);
-    return buffers_.back().data();
-  };
-  for (auto& force : scratch_.force) force = buffer();
-  for (size_t k = 0; k < 2; ++k) {
-    scratch_.weft[k] = buffer();
-    scratch_.falling[k] = buffer();
-    scratch_.rising[k] = buffer();
+    force = buffers_.back().data();
   }
+  passed_ = {1, SheetScratch<Real>::kPassed * shape_.stride};
+  scratch_.passed = passed_.data();
 }
 
 /// A copy with zeros on both sides.

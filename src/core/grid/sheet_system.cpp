@@ -17,7 +17,6 @@ SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass
       damping_time_(sheet.damping_time),
       bending_damping_(sheet.bending_damping),
       springs_(sheet.rows, SheetMatrix::kNumbers * SheetMatrix::kSprings * rows_.shape().stride),
-      passed_(1, SheetMatrix::kPassed * rows_.shape().stride),
       inertia_(rows_.make_array()),
       free_(rows_.make_array()),
       weight_(rows_.make_array()),
@@ -28,7 +27,7 @@ SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass
       y_(rows_.make_xyz()),
       step_(rows_.make_xyz()) {
   matrix_.springs = springs_.data();
-  matrix_.passed = passed_.data();
+  matrix_.passed = rows_.scratch().passed;
   if (rows_.shape().has_flexion) {
     long_springs_ = {sheet.rows, SheetMatrix::kNumbers * SheetMatrix::kLongSprings * rows_.shape().stride};
     matrix_.long_springs = long_springs_.data();
@@ -143,28 +142,35 @@ void SheetSystem::add_couplings(Xyz<float> p, float sign, Xyz<float> y, double* 
   }
 }
 
-double SheetSystem::multiply(Xyz<float> p, Xyz<float> y) {
-  double work = kernels_.multiply(rows_.shape(), matrix_, p, y);
+double SheetSystem::multiply(Xyz<float> z, float beta, Xyz<float> p, Xyz<float> y) {
+  double work = kernels_.multiply(rows_.shape(), matrix_, z, beta, p, y);
   if (!couplings_.empty()) add_couplings(p, 1.0f, y, &work);
   return work;
 }
 
-/// z = the preconditioner times r; returns r . z. Uses y_.
-double SheetSystem::apply(Xyz<float> r, Xyz<float> z) {
+/// z_ = the preconditioner times r; returns r . z_. Uses y_.
+double SheetSystem::precondition(Xyz<float> r) {
   const SheetShape<float>& shape = rows_.shape();
-  const Xyz<float> y = y_.data();
+  const Xyz<float> y = y_.data(), z = z_.data();
   kernels_.relax_first(shape, matrix_, kSweep, r, z);
   kernels_.residue(shape, matrix_, z, r, y);
   if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
   multigrid_.correct(y, z);
-  kernels_.residue(shape, matrix_, z, r, y);
-  if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
-  return kernels_.relax(shape, matrix_, kSweep, y, z, r);
+  double work;
+  if (couplings_.empty()) {
+    work = kernels_.residue_relax(shape, matrix_, kSweep, z, r, y);
+  } else {
+    kernels_.residue(shape, matrix_, z, r, y);
+    add_couplings(z, -1.0f, y, nullptr);
+    work = kernels_.relax(shape, matrix_, kSweep, z, r, y);
+  }
+  std::swap(z_, y_);
+  return work;
 }
 
 double SheetSystem::solve(const LinearTolerance& tolerance, double start, double free_count, LinearReport* report) {
   const SheetShape<float>& shape = rows_.shape();
-  const Xyz<float> r = r_.data(), z = z_.data(), p = p_.data(), y = y_.data(), x = step_.data();
+  const Xyz<float> r = r_.data(), p = p_.data(), x = step_.data();
   step_.clear();
   const double enough = std::max(tolerance.absolute, tolerance.relative * start);
   const double squares = enough * enough * free_count;
@@ -172,9 +178,10 @@ double SheetSystem::solve(const LinearTolerance& tolerance, double start, double
   *report = LinearReport();
   report->solved = false;
   while (report->iterations < tolerance.iterations && !report->solved) {
-    const double rz = apply(r, z);
-    kernels_.turn(shape, z, before > 0.0 ? static_cast<float>(rz / before) : 0.0f, p);
-    const double curvature = multiply(p, y);
+    const double rz = precondition(r);
+    const float beta = before > 0.0 ? static_cast<float>(rz / before) : 0.0f;
+    const Xyz<float> y = y_.data();
+    const double curvature = multiply(z_.data(), beta, p, y);
     if (!(curvature > 0.0) || !(rz > 0.0)) break;  // nothing left in single precision
     const double alpha = rz / curvature;
     slope += alpha * rz;

@@ -18,8 +18,6 @@ constexpr int kHalvings = 8;
 constexpr double kLinearShare = 0.3;
 constexpr double kAtRest = 1e-3;
 constexpr int kFrictionIterations = 5;
-constexpr double kDeep = 3e-4;
-constexpr double kRough = 60.0;
 constexpr int kRoughShare = 2;
 
 constexpr double kDigits = 1e-4;  // relative residual that single precision can give
@@ -104,7 +102,6 @@ StepReport SheetSolve::solve(const StageEquation& equation, const State& start, 
   if (!report.converged && !contacts_.empty()) push_out();
   report.seconds_assembly += thread_cpu_time() - began;
   report.force_evaluations = force_evaluations_;
-  if (getenv("SS_NOPOOR")) report.residual = std::min(report.residual, 1.0);
   return report;
 }
 
@@ -133,65 +130,6 @@ Vec3 SheetSolve::held_position(const Held& held) const {
   const Vec3 target = dynamics_->kinematics.target.col(static_cast<Eigen::Index>(held.column));
   const Vec3 x = start_->x.col(first_ + held.node);
   return equation_.fraction == 1.0 ? target : Vec3(x + equation_.fraction * (target - x));
-}
-
-int SheetSolve::touch(int node) {
-  int& touched = touched_of_[static_cast<size_t>(node)];
-  if (touched < 0) {
-    touched = static_cast<int>(touched_.size());
-    touched_.push_back({node, rows_.place(node), false});
-  }
-  return touched;
-}
-
-void SheetSolve::find_touched(const Dynamics& d, const SheetSurroundings& around) {
-  for (const Touched& t : touched_) {
-    touched_of_[static_cast<size_t>(t.node)] = -1;
-    untouched_weight_.data()[t.place] = system_->weight()[t.place];
-  }
-  touched_.clear();
-  constraints_.clear();
-  constraint_of_.clear();
-  const auto mine = [this](int node) { return node >= first_ && node < first_ + count_; };
-  for (size_t k = 0; k < d.contacts.size(); ++k) {
-    if (!mine(d.contacts[k].node[0])) continue;
-    constraints_.push_back(d.contacts[k]);
-    constraint_of_.push_back(k);
-    ContactConstraint& c = constraints_.back();
-    for (size_t i = 0; i < static_cast<size_t>(c.count); ++i) {
-      c.node[i] = touch(c.node[i] - first_);
-      touched_[static_cast<size_t>(c.node[i])].near = true;
-    }
-  }
-  for (const TargetSprings* springs : around.targets) {
-    for (int node : springs->nodes()) {
-      if (mine(node)) touch(node - first_);
-    }
-  }
-  for (const LimitSprings* limits : around.limits) {
-    for (const LimitSprings::Element& e : limits->elements()) {
-      if (!mine(e.a)) continue;
-      touch(e.a - first_);
-      touch(e.b - first_);
-    }
-  }
-  const auto count = static_cast<Eigen::Index>(touched_.size());
-  touched_x_.resize(3, count);
-  touched_start_.resize(3, count);
-  touched_inverse_mass_.resize(count);
-  touched_base_.resize(touched_.size());
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Touched& t = touched_[static_cast<size_t>(k)];
-    touched_start_.col(k) = start_->x.col(first_ + t.node);
-    untouched_weight_.data()[t.place] = 0.0f;
-    touched_inverse_mass_[k] = static_cast<double>(system_->weight()[t.place]);
-  }
-  touched_x_ = touched_start_;
-  for (const Held& held : held_) {
-    const int t = touched_of_[static_cast<size_t>(held.node)];
-    if (t >= 0) touched_x_.col(t) = held_position(held);
-  }
-  contacts_.begin(equation_.contact_span(), touched_start_, touched_x_, touched_inverse_mass_, constraints_);
 }
 
 /// per_tau_ and inertia_: the same everywhere but where contacts are near.
@@ -248,14 +186,26 @@ void SheetSolve::follow_implicit_euler(std::ptrdiff_t place, int node) {
   const double time = equation_.duration, rate = around_->everywhere.rate;
   put(base_.data(), place, x);
   put(target_.data(), place,
-      mass_[static_cast<size_t>(node)] * ((1.0 / time + rate) / time * x + v / time + around_->everywhere.acceleration));
+      mass_[static_cast<size_t>(node)] *
+          ((1.0 / time + rate) / time * x + v / time + around_->everywhere.acceleration));
 }
 
-/// From where every node would be with the velocity it has. Accelerations are left out: those of stiff springs are large
-/// and short-lived, and take more iterations to undo than they save; at rest there are none.
+/// From where every node would be with the velocity it has. Accelerations are left out: those of stiff springs are
+/// large and short-lived, and take more iterations to undo than they save; at rest there are none. Strain limits, met
+/// at the start and all but rigid, are not always met there: with them the start itself is the other choice.
 double SheetSolve::start_iteration() {
   for (const Held& held : held_) put(x_.data(), rows_.place(held.node), held_position(held));
   evaluate(false);
+  if (around_->limits.empty()) return unbalanced();
+  const double moved = unbalanced();
+  rows_.load(start_->x, before_.data());
+  for (const Held& held : held_) put(before_.data(), rows_.place(held.node), held_position(held));
+  std::swap(x_, before_);
+  evaluate(false);
+  if (moved < unbalanced()) {
+    std::swap(x_, before_);
+    evaluate(false);
+  }
   return unbalanced();
 }
 
@@ -280,103 +230,9 @@ void SheetSolve::evaluate(bool along_step) {
   add_touched(along_step);
 }
 
-void SheetSolve::gather() {
-  for (size_t k = 0; k < touched_.size(); ++k) {
-    touched_x_.col(static_cast<Eigen::Index>(k)) = at(x_.data(), touched_[k].place);
-  }
-}
-
-/// f := forces of soft grasps and strain limits on the touched nodes, at touched_x_.
-void SheetSolve::add_terms(Nodes* f) const {
-  f->setZero(3, touched_x_.cols());
-  const auto index = [this](int node) {
-    return node < first_ || node >= first_ + count_ ? -1 : touched_of_[static_cast<size_t>(node - first_)];
-  };
-  for (const TargetSprings* springs : around_->targets) {
-    for (size_t k = 0; k < springs->nodes().size(); ++k) {
-      const int i = index(springs->nodes()[k]);
-      if (i < 0) continue;
-      f->col(i) -= springs->stiffness() * (touched_x_.col(i) - springs->targets().col(static_cast<Eigen::Index>(k)));
-    }
-  }
-  for (const LimitSprings* limits : around_->limits) {
-    for (LimitSprings::Element e : limits->elements()) {
-      e.a = index(e.a);
-      e.b = index(e.b);
-      if (e.a < 0) continue;
-      const double tension = LimitSprings::tension(e, touched_x_);
-      if (tension == 0.0) continue;
-      const Vec3 pull = tension * (touched_x_.col(e.b) - touched_x_.col(e.a)).normalized();
-      f->col(e.a) += pull;
-      f->col(e.b) -= pull;
-    }
-  }
-}
-
-/// Residual of the touched nodes, with contacts.
-void SheetSolve::add_touched(bool along_step) {
-  sums_ = base_sums_;
-  contact_force_.setZero(3, touched_x_.cols());
-  if (!contacts_.empty()) contacts_.add_force(touched_x_, &contact_force_);
-  const Xyz<float> downhill = system_->residual(), step = system_->step();
-  for (size_t k = 0; k < touched_.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const std::ptrdiff_t place = touched_[k].place;
-    const Vec3 whole = touched_base_[k] + contact_force_.col(i);
-    downhill.x[place] = static_cast<float>(whole[0]);
-    downhill.y[place] = static_cast<float>(whole[1]);
-    downhill.z[place] = static_cast<float>(whole[2]);
-    const double w = touched_inverse_mass_[i];
-    sums_.squares += w * w * whole.squaredNorm();
-    if (along_step) sums_.work += contact_force_.col(i).dot(Vec3(step.x[place], step.y[place], step.z[place]));
-  }
-}
-
-bool SheetSolve::is_rough(const StepReport& report) const {
-  return !contacts_.empty() && (report.residual > kRough || contacts_.any_deeper(kDeep, touched_x_));
-}
-
 /// RMS of r / m over the free nodes, m/s^2.
 double SheetSolve::unbalanced() const {
   return std::sqrt(sums_.squares / free_count_);
-}
-
-/// What the touched nodes add to the matrix.
-void SheetSolve::couple() {
-  std::vector<SheetCoupling>& couplings = system_->couplings();
-  couplings.clear();
-  const auto index = [this](int node) {
-    return node < first_ || node >= first_ + count_ ? -1 : touched_of_[static_cast<size_t>(node - first_)];
-  };
-  const auto place = [this](int k) { return touched_[static_cast<size_t>(k)].place; };
-  for (const TargetSprings* springs : around_->targets) {
-    for (int node : springs->nodes()) {
-      const int i = index(node);
-      if (i >= 0) couplings.push_back({{place(i), 0, 0}, {1.0, 0.0, 0.0}, 1, springs->stiffness() * Mat3::Identity()});
-    }
-  }
-  for (const LimitSprings* limits : around_->limits) {
-    for (LimitSprings::Element e : limits->elements()) {
-      e.a = index(e.a);
-      e.b = index(e.b);
-      if (e.a < 0) continue;
-      const double tension = LimitSprings::tension(e, touched_x_);
-      if (tension == 0.0) continue;
-      const Vec3 d = touched_x_.col(e.b) - touched_x_.col(e.a);
-      const double r = d.norm(), transverse = settings_.jacobian == Jacobian::kAxial ? 0.0 : tension / r;
-      const Vec3 n = d / r;
-      const Mat3 h = (e.stiffness - transverse) * n * n.transpose() + transverse * Mat3::Identity();
-      couplings.push_back({{place(e.a), place(e.b), 0}, {1.0, -1.0, 0.0}, 2, h});
-    }
-  }
-  contacts_.for_each_jacobian(touched_x_, [&](const ContactConstraint& c, const Mat3& h) {
-    SheetCoupling coupling{{0, 0, 0}, {0.0, 0.0, 0.0}, c.count, h};
-    for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
-      coupling.place[k] = place(c.node[k]);
-      coupling.weight[k] = touched_inverse_mass_[c.node[k]] > 0.0 ? c.weight[k] : 0.0;
-    }
-    couplings.push_back(coupling);
-  });
 }
 
 /// See ImplicitStage::search_along_step.
@@ -388,27 +244,16 @@ void SheetSolve::search_along_step() {
     evaluate(true);
     if (unbalanced() <= settings_.tolerance) return;
     const double ratio = sums_.work / slope_;
-    static const int ls = atoi(getenv("SS_LS") ? getenv("SS_LS") : "0");
-    if (ls == 1) return;
-    if (ls == 3 && ratio > -1.0) return;
     if (!(ratio >= -kEnough && ratio <= kMostGrowth)) continue;
     if (std::abs(ratio) <= kInexact) return;
-    const double full = ls == 2 ? std::abs(sums_.work) : unbalanced();
+    const double full = unbalanced();
     const double other = ratio < kLeastLeft ? fraction / (1.0 - ratio) : kFarthest * fraction;
     kernels_.advance(rows_.shape(), before_.data(), other, system_->step(), x_.data());
     evaluate(true);
-    if ((ls == 2 ? std::abs(sums_.work) : unbalanced()) < full) return;
+    if (unbalanced() < full) return;
     kernels_.advance(rows_.shape(), before_.data(), fraction, system_->step(), x_.data());
     evaluate(true);
     return;
-  }
-}
-
-/// See PenaltyContacts::push_out.
-void SheetSolve::push_out() {
-  contacts_.push_out(kDeep, touched_inverse_mass_, &touched_x_);
-  for (size_t k = 0; k < touched_.size(); ++k) {
-    put(x_.data(), touched_[k].place, touched_x_.col(static_cast<Eigen::Index>(k)));
   }
 }
 
@@ -444,12 +289,6 @@ void SheetSolve::store(State* end, Nodes* force, Nodes* outer_force) {
     outer_force->col(first_ + held.node) =
         inertia_.data()[place] * at(all.x, place) - at(target_.data(), place) - at(all.force, place);
   }
-}
-
-void SheetSolve::report_contacts(ContactConstraints* contacts) const {
-  ContactConstraints found = constraints_;
-  contacts_.report(touched_x_, &found);
-  for (size_t k = 0; k < found.size(); ++k) (*contacts)[constraint_of_[k]].force = found[k].force;
 }
 
 }  // namespace deformable_sim

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "deformable_sim/core/error.h"
 #include "deformable_sim/core/integrator/impulse_contacts.h"
 #include "deformable_sim/core/integrator/schemes.h"
 #include "deformable_sim/core/integrator/sheet_motion.h"
@@ -12,7 +13,6 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kSafety = 0.95;
 constexpr int kRemeasureSteps = 500;  // a limit changes little while the rest shape is the same
 constexpr int kMostParts = 100000;
 
@@ -22,7 +22,7 @@ constexpr int kMostParts = 100000;
 template <class Real>
 class SubsteppedVerlet : public Integrator {
  public:
-  SubsteppedVerlet() : parts_scheme_(make_symplectic_euler()) {}
+  explicit SubsteppedVerlet(double fraction) : fraction_(fraction), parts_scheme_(make_symplectic_euler()) {}
 
   std::string name() const override { return "substepped_verlet"; }
   Needs needs() const override { return {false, true}; }
@@ -35,7 +35,7 @@ class SubsteppedVerlet : public Integrator {
     if (!prepared_) prepare(*d);
     measure(*d, *s);
     begin(dt, *d, *s);
-    const double parts = std::clamp(std::ceil(dt / (kSafety * stable_dt_) - 1e-9), 1.0, 1.0 * kMostParts);
+    const double parts = std::clamp(std::ceil(dt / (fraction_ * stable_dt_) - 1e-9), 1.0, 1.0 * kMostParts);
     const auto count = static_cast<int>(parts);
     const double h = dt / parts;
     leap(0.5 * h, h, 0.0, dt, d);
@@ -229,6 +229,7 @@ class SubsteppedVerlet : public Integrator {
     s->time += dt;
   }
 
+  double fraction_;  // of the limit
   std::unique_ptr<Integrator> parts_scheme_;
   bool prepared_ = false;
   int measured_ago_ = 0;
@@ -257,8 +258,11 @@ class SubsteppedVerlet : public Integrator {
 }  // namespace
 
 std::unique_ptr<Integrator> make_substepped_verlet(const SolverSettings& settings) {
-  if (settings.precision == SolverSettings::Precision::kSingle) return std::make_unique<SubsteppedVerlet<float>>();
-  return std::make_unique<SubsteppedVerlet<double>>();
+  const double fraction = settings.fraction_of_limit;
+  if (!(fraction > 0.0 && fraction <= 0.95)) throw InputError("fraction_of_limit must be > 0 and at most 0.95");
+  if (settings.precision == SolverSettings::Precision::kSingle)
+    return std::make_unique<SubsteppedVerlet<float>>(fraction);
+  return std::make_unique<SubsteppedVerlet<double>>(fraction);
 }
 
 }  // namespace deformable_sim

@@ -111,24 +111,19 @@ class ElementEnergy : public Energy {
   }
 
   void add_jacobian(const State& s, double dx, double dv, Jacobian kind, BlockMatrix* a) const override {
+    if constexpr (IsLaggable<E>::value) {
+      if (kind == Jacobian::kLagged) {
+        add_lagged_jacobian(s, dx, dv, a);
+        return;
+      }
+    }
     [[maybe_unused]] const typename E::Context context = E::context(parameters_, s.time);
     for (size_t n = 0; n < elements_.size(); ++n) {
       const Element& e = elements_[n];
       const auto& slot = slots_[n];
       if constexpr (E::kPairwise) {
         const Vec3 d = s.x.col(e.node[1]) - s.x.col(e.node[0]), w = s.v.col(e.node[1]) - s.v.col(e.node[0]);
-        const Mat3 h = [&] {
-          if constexpr (IsLaggable<E>::value) {
-            if (kind == Jacobian::kLagged) {
-              return E::lagged_stiffness(d, s.x_before.col(e.node[1]) - s.x_before.col(e.node[0]), e.rest, dx, dv);
-            }
-          }
-          return E::stiffness(d, w, e.rest, dx, dv, kind);
-        }();
-        a->block(slot[0]) += h;
-        a->block(slot[1]) -= h;
-        a->block(slot[2]) -= h;
-        a->block(slot[3]) += h;
+        add_pair(E::stiffness(d, w, e.rest, dx, dv, kind), slot, a);
       } else {
         const auto x = gather(s.x, e), v = gather(s.v, e);
         if constexpr (E::kUniform) {
@@ -148,6 +143,22 @@ class ElementEnergy : public Energy {
   }
 
  private:
+  void add_lagged_jacobian(const State& s, double dx, double dv, BlockMatrix* a) const {
+    for (size_t n = 0; n < elements_.size(); ++n) {
+      const Element& e = elements_[n];
+      const Vec3 d = s.x.col(e.node[1]) - s.x.col(e.node[0]);
+      const Vec3 before = s.x_before.col(e.node[1]) - s.x_before.col(e.node[0]);
+      add_pair(E::lagged_stiffness(d, before, e.rest, dx, dv), slots_[n], a);
+    }
+  }
+
+  static void add_pair(const Mat3& h, const std::array<int, kPoints * kPoints>& slot, BlockMatrix* a) {
+    a->block(slot[0]) += h;
+    a->block(slot[1]) -= h;
+    a->block(slot[2]) -= h;
+    a->block(slot[3]) += h;
+  }
+
   template <class Blocks>
   static void subtract(const Blocks& blocks, const std::array<int, kPoints * kPoints>& slot, BlockMatrix* a) {
     for (size_t i = 0; i < kPoints; ++i) {

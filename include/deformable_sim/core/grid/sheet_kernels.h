@@ -37,10 +37,12 @@ struct Xyz {
   Real *x, *y, *z;
 };
 
-/// Space for some rows of forces; each of the arrays is laid out as one row.
+/// Space for some rows of forces.
 template <class Real>
 struct SheetScratch {
-  Xyz<Real> force[3], weft[2], falling[2], rising[2];
+  static constexpr int kPassed = 9;
+  Xyz<Real> force[3];  // each laid out as one row
+  Real* passed;        // kPassed * stride numbers: forces of one row on the next
 };
 
 /// One part of an explicit step: kick, then drift.

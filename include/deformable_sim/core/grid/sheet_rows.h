@@ -88,6 +88,7 @@ class SheetRows {
   std::vector<std::vector<Real>> coefficients_;
   std::vector<const Real*> bending_;
   std::vector<XyzArray<Real>> buffers_;
+  RowArray<Real> passed_;
 };
 
 extern template class SheetRows<float>;

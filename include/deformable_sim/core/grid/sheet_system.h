@@ -50,14 +50,16 @@ class SheetSystem {
   /// step . residual, J, as it was before.
   double solve(const LinearTolerance& tolerance, double start, double free_count, LinearReport* report);
 
-  /// y = A p; p . y. For tests.
-  double multiply(Xyz<float> p, Xyz<float> y);
-  void precondition(Xyz<float> r, Xyz<float> z) { apply(r, z); }
+  /// p = z + beta p, y = A p; returns p . y.
+  double multiply(Xyz<float> z, float beta, Xyz<float> p, Xyz<float> y);
+  /// Returns r . preconditioned().
+  double precondition(Xyz<float> r);
+  /// The preconditioner times r, until the next call.
+  Xyz<float> preconditioned() { return z_.data(); }
 
  private:
   void pack_bending(const GridStencil& bending);
   void patch_diagonal();
-  double apply(Xyz<float> r, Xyz<float> z);
   void add_couplings(Xyz<float> p, float sign, Xyz<float> y, double* work) const;
 
   SheetRows<float> rows_;
@@ -65,7 +67,7 @@ class SheetSystem {
   SheetMultigrid multigrid_;
   SheetMatrix matrix_{};
   double damping_time_, bending_damping_;
-  RowArray<float> springs_, long_springs_, passed_;
+  RowArray<float> springs_, long_springs_;
   std::vector<RowArray<float>> bending_;  // of each kind of row
   std::vector<const float*> bending_rows_;
   std::array<RowArray<float>, 6> inverse_;

@@ -41,14 +41,14 @@ struct SheetResidualSums {
 
 /// A = inertia + bending K + springs, of each spring q q^T + t: a symmetric matrix, applied without being assembled.
 ///
-/// What belongs to the nodes of one register lies together, so that one pointer finds it: number k of the nodes from `at`
-/// on at numbers * at + k * width, `at` a multiple of the width.
+/// What belongs to the nodes of one register lies together, so that one pointer finds it: number k of the nodes from
+/// `at` on at numbers * at + k * width, `at` a multiple of the width.
 struct SheetMatrix {
-  static constexpr int kNumbers = 4;                       // of a spring: q, (N/m)^(1/2), and t, N/m
-  static constexpr int kSprings = 4, kLongSprings = 2;     // of a node
-  static constexpr int kBending = 13, kPassed = 9;
-  float* springs;       // to the right, down, down to the right, down to the left
-  float* long_springs;  // over two cells, to the right and down; null: none
+  static constexpr int kNumbers = 4;                    // of a spring: q, (N/m)^(1/2), and t, N/m
+  static constexpr int kSprings = 4, kLongSprings = 2;  // of a node
+  static constexpr int kBending = 13;
+  float* springs;               // to the right, down, down to the right, down to the left
+  float* long_springs;          // over two cells, to the right and down; null: none
   const float* const* bending;  // by row: coefficients over kStencil, columns in the place of nodes; null: none
   float* passed;                // space for one row of forces on the next: of the springs down
   float damping;                // springs: their damping_time / tau
@@ -84,16 +84,18 @@ struct StageKernels {
 
   /// Springs and inverse diagonal blocks of the matrix at x.
   void (*linearise)(const SheetShape<float>&, Xyz<float> x, const SheetMatrix&);
-  /// y = A p; returns p . y.
-  double (*multiply)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> p, Xyz<float> y);
-  /// y = r - A p.
-  void (*residue)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> p, Xyz<float> r, Xyz<float> y);
+  /// p = z + beta p, y = A p; returns p . y.
+  double (*multiply)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> z, float beta, Xyz<float> p,
+                     Xyz<float> y);
+  /// y = r - A z.
+  void (*residue)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> z, Xyz<float> r, Xyz<float> y);
+  /// y = z + omega D^-1 (r - A z); returns r . y.
+  double (*residue_relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> z, Xyz<float> r,
+                          Xyz<float> y);
   /// z = omega D^-1 r.
   void (*relax_first)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> r, Xyz<float> z);
-  /// z += omega D^-1 y; returns r . z.
-  double (*relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> y, Xyz<float> z, Xyz<float> r);
-  /// p = z + beta p.
-  void (*turn)(const SheetShape<float>&, Xyz<float> z, float beta, Xyz<float> p);
+  /// y = z + omega D^-1 y; returns r . y.
+  double (*relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> z, Xyz<float> r, Xyz<float> y);
   /// x += alpha p, r -= alpha y; returns sum |weight r|^2.
   double (*descend)(const SheetShape<float>&, float alpha, Xyz<float> p, Xyz<float> y, const float* weight,
                     Xyz<float> x, Xyz<float> r);

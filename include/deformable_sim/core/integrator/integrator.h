@@ -77,6 +77,8 @@ struct SolverSettings {
   /// its own.
   enum class Precision { kDouble, kSingle };
   Precision precision = Precision::kDouble;
+  /// Length of the parts of substepped_verlet over the longest stable one, 0 < f <= 0.95. Its error shrinks with f^2.
+  double fraction_of_limit = 0.95;
   Jacobian jacobian = Jacobian::kProjected;  // what Newton's matrix is made of; lagged: see ImplicitStage
 };
 

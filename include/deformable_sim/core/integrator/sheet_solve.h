@@ -30,7 +30,7 @@ class SheetSolve {
   void find_force(const State& s, const SheetSurroundings& around, Nodes* f);
   /// Into this sheet's columns: x and v at the stage; the terms' force; M a - f - more_force, of held nodes only.
   void store(State* end, Nodes* force, Nodes* outer_force);
-  void report_contacts(ContactConstraints* contacts) const;
+  void report_contacts(ContactConstraints* contacts);
 
  private:
   /// A node on which something acts beside springs, bending and weight.
@@ -99,7 +99,7 @@ class SheetSolve {
   Nodes touched_x_, touched_start_, touched_force_, contact_force_;
   std::vector<Vec3> touched_base_;  // target + force - inertia x, without contacts
   Eigen::VectorXd touched_inverse_mass_;
-  ContactConstraints constraints_;  // nodes counted within touched_
+  ContactConstraints constraints_;     // nodes counted within touched_
   std::vector<size_t> constraint_of_;  // in Dynamics::contacts
   PenaltyContacts contacts_;
 };

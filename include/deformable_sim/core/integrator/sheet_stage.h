@@ -9,9 +9,9 @@
 
 namespace deformable_sim {
 
-/// Solves the sheets one by one (SheetSolve). Where there is more than they know, that is nodes of no sheet, a consistent
-/// mass matrix, or terms other than weight, mass damping, soft grasps and strain limits, all is left to an ImplicitStage
-/// with conjugate gradients.
+/// Solves the sheets one by one (SheetSolve). Where there is more than they know, that is nodes of no sheet, a
+/// consistent mass matrix, or terms other than weight, mass damping, soft grasps and strain limits, all is left to an
+/// ImplicitStage with conjugate gradients.
 class SheetStage : public StageSolver {
  public:
   explicit SheetStage(const SolverSettings& settings) : settings_(settings), generic_(settings) {}
