@@ -146,7 +146,7 @@ class WorkPrecision(unittest.TestCase):
             for name, text in (('swing.json', PRECISION), ('swing.summary.json', {'name': 'swing', 'front': []})):
                 with open(os.path.join(folder, name), 'w', encoding='utf-8') as stream:
                     json.dump(text, stream)
-            with contextlib.redirect_stdout(io.StringIO()):
+            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
                 study = self.report.write_scene(os.path.join(folder, 'swing'), None)
                 self.report.write_suite(folder, [study])
             with open(os.path.join(folder, 'suite.html'), encoding='utf-8') as stream:
