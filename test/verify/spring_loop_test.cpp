@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 
 #include "support/small_worlds.h"
 #include "support/system.h"
@@ -38,6 +40,47 @@ TEST(SpinningRing, HasTheRadiusOfItsPolygon) {
     for (int k = 0; k < steps; ++k) ring.step(*integrator, 4.0 * M_PI / omega / steps);
     check("B11", name + ", R / R0 after two turns", ring.state.x.colwise().norm().mean() / radius0, radius / radius0,
           1e-8);
+  }
+}
+
+/// Pull t2 (N) that balances t1 = 1 N over one contact that a rope turns around by `angle` while it slides: t2 cos = t1
+/// cos + F, cos of angle / 2, F the friction that the scheme finds under both pulls.
+double balance_over_contact(const std::string& scheme, double friction, double angle) {
+  const double along = std::cos(0.5 * angle), down = std::sin(0.5 * angle), mass = 1.0;
+  const double t1 = 1.0;
+  double t2 = t1;
+  for (int k = 0; k < 200; ++k) {
+    System node(Nodes::Zero(3, 1), Eigen::VectorXd::Constant(1, mass));
+    node.add(make_gravity(node.mass, Vec3((t2 - t1) * along, 0.0, -(t1 + t2) * down) / mass));
+    node.state.v(0, 0) = 1.0;
+    ContactConstraint contact;
+    contact.node[0] = 0;
+    contact.friction = friction;
+    node.dynamics.contacts.assign(1, contact);
+    // A penalty gives way by a hundredth of what is still missing, each step.
+    const auto integrator = make_integrator(scheme, exact_settings(1e-9));
+    for (int step = 0; step < 20; ++step) node.step(*integrator, 1e-5);
+    const double next = t1 - node.dynamics.contacts[0].force.x() / along;
+    const bool settled = std::abs(next - t2) <= 1e-14 * next;
+    t2 = next;
+    if (settled) break;
+  }
+  return t2;
+}
+
+TEST(Capstan, IsExactOverThePolygonOfItsContacts) {
+  // T2 / T1 = ((1 + mu t) / (1 - mu t))^N, t = tan(phi / 2N): Coulomb's law at each of N contacts.
+  for (const TableRow& row : read_rows("B13_capstan.csv")) {
+    const double friction = row("mu"), wrap = 2.0 * M_PI * row("turns");
+    for (const char* column : {"polygon N=8 contacts", "N=16", "N=32", "N=64"}) {
+      const int n = std::atoi(std::strchr(column, '=') + 1);
+      for (const std::string scheme : {"symplectic_euler", "implicit_euler"}) {
+        const double tension = std::pow(balance_over_contact(scheme, friction, wrap / n), n);
+        check("B13",
+              "mu " + row.text("mu") + ", " + row.text("turns") + " turns, " + column + ", " + scheme + ", T2 / T1",
+              tension, row(column), 1e-8);
+      }
+    }
   }
 }
 
