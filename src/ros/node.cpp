@@ -117,6 +117,8 @@ int run_node(int argc, char** argv) {
     node.run();
     return 0;
   } catch (const InputError& error) {
+    // An interrupt while loading: parameters can no longer be read, and that is why they are missing.
+    if (ros::isShuttingDown()) return 0;
     ROS_FATAL_STREAM_NAMED("simulation", error.what());
     return kRefused;
   } catch (const std::exception& error) {
