@@ -2,6 +2,7 @@
 
 #include <ros/connection_manager.h>
 #include <ros/console.h>
+#include <ros/init.h>
 #include <ros/master.h>
 #include <ros/network.h>
 #include <ros/publication.h>
@@ -38,29 +39,41 @@ void tell_publishers(const std::string& topic, const XmlRpc::XmlRpcValue& publis
   manager->releaseXMLRPCClient(client);
 }
 
-void register_again(const std::vector<std::string>& services) {
+/// Whether the master has taken all of it.
+bool register_again(const std::vector<std::string>& services, const std::string& service_uri) {
   const std::string uri = ros::XMLRPCManager::instance()->getServerURI();
   XmlRpc::XmlRpcValue answer;
+  bool complete = true;
   ros::V_string topics;
   ros::this_node::getAdvertisedTopics(topics);
   for (const std::string& topic : topics) {
     const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic);
-    if (publication) call("registerPublisher", &answer, topic, publication->getDataType(), uri);
+    if (publication) complete &= call("registerPublisher", &answer, topic, publication->getDataType(), uri);
   }
   topics.clear();
   ros::this_node::getSubscribedTopics(topics);
   for (const std::string& topic : topics) {
-    if (call("registerSubscriber", &answer, topic, std::string("*"), uri)) tell_publishers(topic, answer);
+    if (call("registerSubscriber", &answer, topic, std::string("*"), uri)) {
+      tell_publishers(topic, answer);
+    } else {
+      complete = false;
+    }
   }
-  const std::string service_uri =
-      "rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort());
   std::vector<std::string> all = services;
   all.push_back(ros::this_node::getName() + "/get_loggers");
   all.push_back(ros::this_node::getName() + "/set_logger_level");
-  for (const std::string& service : all) call("registerService", &answer, service, service_uri, uri);
+  for (const std::string& service : all) complete &= call("registerService", &answer, service, service_uri, uri);
+  return complete;
 }
 
 }  // namespace
+
+MasterWatch::MasterWatch() {
+  // Not when it is needed: once roscpp shuts down, asking for the port ends the program.
+  if (ros::isShuttingDown()) return;
+  service_uri_ =
+      "rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort());
+}
 
 void MasterWatch::check(const std::vector<std::string>& services) {
   if (!ros::master::check()) {
@@ -70,8 +83,11 @@ void MasterWatch::check(const std::vector<std::string>& services) {
     return;
   }
   XmlRpc::XmlRpcValue answer;
-  if (!call("lookupNode", &answer, ros::this_node::getName())) {
-    register_again(services);
+  if (incomplete_ || !call("lookupNode", &answer, ros::this_node::getName())) {
+    // A node that ends unregisters itself.
+    if (ros::isShuttingDown()) return;
+    incomplete_ = !register_again(services, service_uri_);
+    if (incomplete_) return;
     ROS_WARN_NAMED("master", "the ROS master did not know this node; all topics and services are registered again");
   }
   lost_ = false;

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import tempfile
 import threading
+import time
 import unittest
 import xmlrpc.client
 
@@ -194,13 +195,23 @@ class Processes(unittest.TestCase):
         def complete():
             return all(name in names for name, names in zip(everything, registered()))
 
-        wait_until(complete, 'registration')
+        def settled():
+            """What is registered once nothing has been added for a second."""
+            seen = registered()
+            time.sleep(1.0)
+            return complete() and registered() == seen
+
+        wait_until(settled, 'registration')
         before = registered()
         master.kill()
         master.wait()
         self.assertIsNone(node.poll())
         self.start_master(port)
-        wait_until(lambda: complete() and registered() == before, 'registration with the new master')
+        try:
+            wait_until(lambda: registered() == before, 'registration with the new master')
+        except AssertionError as error:
+            raise AssertionError('%s; missing %s, new %s' % (
+                error, [b - r for b, r in zip(before, registered())], [r - b for b, r in zip(before, registered())]))
         environment = dict(os.environ, ROS_MASTER_URI=uri)
         for command in (['rosservice', 'call', '/deformable_sim/describe'],
                         ['rostopic', 'echo', '-n', '1', '/deformable_sim/status/time']):

@@ -11,11 +11,14 @@ namespace deformable_sim {
 /// anew.
 class MasterWatch {
  public:
+  MasterWatch();
   /// `services`: full names of the services besides those of roscpp.
   void check(const std::vector<std::string>& services);
 
  private:
   bool lost_ = false;
+  bool incomplete_ = false;  // a call failed when registering again
+  std::string service_uri_;
 };
 
 }  // namespace deformable_sim
