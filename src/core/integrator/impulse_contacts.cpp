@@ -5,8 +5,6 @@
 namespace deformable_sim {
 namespace {
 
-constexpr int kPasses = 8;  // contacts that share nodes push each other; one pass would do otherwise
-
 /// nodes += moment / m, shared by the nodes of the point.
 void add(const ContactConstraint& c, const Eigen::VectorXd& inverse_mass, const Vec3& moment, Nodes* nodes) {
   for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
@@ -17,7 +15,7 @@ void add(const ContactConstraint& c, const Eigen::VectorXd& inverse_mass, const 
 }  // namespace
 
 void ImpulseContacts::resolve(const ContactConstraints& contacts, const Eigen::VectorXd& inverse_mass, double dt,
-                              double drift, State* s) {
+                              double drift, State* s, int passes) {
   points_.clear();
   for (const ContactConstraint& c : contacts) {
     double compliance = 0.0;
@@ -26,14 +24,16 @@ void ImpulseContacts::resolve(const ContactConstraints& contacts, const Eigen::V
     }
     points_.push_back({compliance > 0.0 ? 1.0 / compliance : 0.0, 0.0, Vec3::Zero()});
   }
-  for (int pass = 0; pass < kPasses; ++pass) {
+  bool touching = true;
+  for (int pass = 0; pass < passes && touching; ++pass) {
+    touching = false;
     for (size_t i = 0; i < contacts.size(); ++i) {
-      if (points_[i].mass > 0.0) resolve(contacts[i], inverse_mass, dt, drift, &points_[i], s);
+      if (points_[i].mass > 0.0) touching |= resolve(contacts[i], inverse_mass, dt, drift, &points_[i], s);
     }
   }
 }
 
-void ImpulseContacts::resolve(const ContactConstraint& c, const Eigen::VectorXd& inverse_mass, double dt, double drift,
+bool ImpulseContacts::resolve(const ContactConstraint& c, const Eigen::VectorXd& inverse_mass, double dt, double drift,
                               Point* contact, State* s) const {
   Vec3 point = Vec3::Zero(), velocity = -c.surface_velocity;
   for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
@@ -43,7 +43,7 @@ void ImpulseContacts::resolve(const ContactConstraint& c, const Eigen::VectorXd&
   // A scheme whose positions follow the old velocity must see the crossing of the next step in this one.
   const double gap = c.normal.dot(point) - c.offset, ahead = (1.0 - drift) * dt;
   const double normal_velocity = c.normal.dot(velocity);
-  if (gap + ahead * normal_velocity >= 0.0 && contact->normal == 0.0) return;
+  if (gap + ahead * normal_velocity >= 0.0 && contact->normal == 0.0) return false;
 
   if (gap < 0.0) add(c, inverse_mass, Vec3(-gap * contact->mass * c.normal), &s->x);
   const double allowed = ahead > 0.0 ? -std::max(gap, 0.0) / ahead : 0.0;
@@ -59,6 +59,7 @@ void ImpulseContacts::resolve(const ContactConstraint& c, const Eigen::VectorXd&
   contact->friction = friction;
   add(c, inverse_mass, change, &s->v);
   add(c, inverse_mass, Vec3(drift * dt * change), &s->x);
+  return true;
 }
 
 }  // namespace deformable_sim

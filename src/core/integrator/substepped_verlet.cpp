@@ -29,7 +29,10 @@ class SubsteppedVerlet : public Integrator {
   int order() const override { return 2; }
   int order_with_velocity_forces() const override { return 1; }
   double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
-  void reset() override { prepared_ = false; }
+  void reset() override {
+    prepared_ = false;
+    measured_ago_ = kRemeasureSteps;
+  }
 
   StepReport advance(double dt, Dynamics* d, State* s) override {
     if (!prepared_) prepare(*d);
@@ -53,8 +56,6 @@ class SubsteppedVerlet : public Integrator {
   /// Sorts the terms and lays out the sheets.
   void prepare(const Dynamics& d) {
     prepared_ = true;
-    if (energies_ != d.energies || stable_dt_ == 0.0) measured_ago_ = kRemeasureSteps;
-    energies_ = d.energies;
     const Eigen::Index n = d.mass->size();
     inverse_mass_ = d.mass->cwiseInverse();
     for (int node : d.kinematics.node) inverse_mass_[node] = 0.0;
@@ -89,8 +90,7 @@ class SubsteppedVerlet : public Integrator {
     }
   }
 
-  /// Parts are leaps with damping that lags by half a part: stable as long as symplectic Euler is. Holding more nodes
-  /// lowers frequencies, so that only new terms ask for another look.
+  /// Parts are leaps with damping that lags by half a part: stable as long as symplectic Euler is.
   void measure(const Dynamics& d, const State& s) {
     if (measured_ago_++ < kRemeasureSteps) return;
     measured_ago_ = 1;
@@ -155,6 +155,7 @@ class SubsteppedVerlet : public Integrator {
   /// Contacts see the few nodes they name, gathered.
   void find_contact_nodes(const Dynamics& d) {
     near_.clear();
+    passes_ = 1;
     contacts_ = d.contacts;
     place_of_.resize(sheet_of_.size(), -1);
     for (ContactConstraint& c : contacts_) {
@@ -163,6 +164,8 @@ class SubsteppedVerlet : public Integrator {
         if (place < 0) {
           place = static_cast<int>(near_.size());
           near_.push_back(c.node[k]);
+        } else {
+          passes_ = ImpulseContacts::kPasses;
         }
         c.node[k] = place;
       }
@@ -191,9 +194,9 @@ class SubsteppedVerlet : public Integrator {
       near_state_.v.col(static_cast<Eigen::Index>(k)) = v;
     }
     if (drift > 0.0) {
-      impulses_.resolve(contacts_, near_inverse_mass_, drift, 1.0, &near_state_);
+      impulses_.resolve(contacts_, near_inverse_mass_, drift, 1.0, &near_state_, passes_);
     } else {
-      impulses_.resolve(contacts_, near_inverse_mass_, 2.0 * kick, 0.0, &near_state_);
+      impulses_.resolve(contacts_, near_inverse_mass_, 2.0 * kick, 0.0, &near_state_, passes_);
     }
     for (size_t k = 0; k < near_.size(); ++k) {
       const int node = near_[k], sheet = sheet_of_[static_cast<size_t>(node)];
@@ -232,9 +235,9 @@ class SubsteppedVerlet : public Integrator {
   double fraction_;  // of the limit
   std::unique_ptr<Integrator> parts_scheme_;
   bool prepared_ = false;
-  int measured_ago_ = 0;
+  int measured_ago_ = kRemeasureSteps;
   double stable_dt_ = 0.0;
-  std::vector<const Energy*> energies_, others_;
+  std::vector<const Energy*> others_;
   MassForce everywhere_;
   Nodes weight_;                  // N, of all nodes: everywhere_ without its drag
   Eigen::VectorXd inverse_mass_;  // 0 at held nodes
@@ -250,6 +253,7 @@ class SubsteppedVerlet : public Integrator {
   ImpulseContacts impulses_;
   ContactConstraints contacts_;  // nodes counted within near_
   std::vector<int> near_, place_of_;
+  int passes_ = 1;
   Eigen::VectorXd near_inverse_mass_;
   State near_state_;
   std::vector<Vec3> impulse_;  // N s so far, by contact

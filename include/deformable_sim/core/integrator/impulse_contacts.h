@@ -8,16 +8,18 @@
 
 namespace deformable_sim {
 
-/// Each contact exactly and in turn (Gauss-Seidel, eight passes): inelastic normal impulse, Coulomb friction clamped to
-/// mu times it.
-/// Not good at: stacks, in which an impulse has to travel further than eight points.
+/// Each contact exactly and in turn (Gauss-Seidel, up to eight passes): inelastic normal impulse, Coulomb friction
+/// clamped to mu times it. Not good at: stacks, in which an impulse has to travel further than eight points.
 class ImpulseContacts {
  public:
+  static constexpr int kPasses = 8;  // contacts that share nodes push each other
+
   /// Puts the points of `contacts` back on their planes and stops their approach, after a step of `dt`. `drift` is the
   /// share of a velocity change in this step that also moves the nodes within it: 1 when x follows the new velocity, 0
   /// when it follows the old one. inverse_mass: 1/kg by node, 0 for prescribed nodes.
+  /// One pass does where no two contacts share a node.
   void resolve(const ContactConstraints& contacts, const Eigen::VectorXd& inverse_mass, double dt, double drift,
-               State* s);
+               State* s, int passes = kPasses);
   /// N s on the body, of the last call, by contact.
   Vec3 impulse(size_t contact, const ContactConstraints& contacts) const {
     return points_[contact].normal * contacts[contact].normal + points_[contact].friction;
@@ -29,7 +31,8 @@ class ImpulseContacts {
     double normal;  // accumulated impulse, N s
     Vec3 friction;  // accumulated impulse, N s
   };
-  void resolve(const ContactConstraint& c, const Eigen::VectorXd& inverse_mass, double dt, double drift, Point* point,
+  /// Whether there was anything to do.
+  bool resolve(const ContactConstraint& c, const Eigen::VectorXd& inverse_mass, double dt, double drift, Point* point,
                State* s) const;
 
   std::vector<Point> points_;
