@@ -140,6 +140,7 @@ class Run {
     }
     take(world_->snapshot());
     report.bill = world_->bill();
+    report.solver = world_->settings().chosen;
     if (progress_shown_) std::fputc('\n', stderr);
   }
 

@@ -14,6 +14,8 @@
 
 namespace deformable_sim {
 
+constexpr int kMaxParts = 100000;  // of a step
+
 /// Thread CPU seconds by part, of the window being filled and of the last full one.
 struct CostWindow {
   static constexpr int kSteps = 50;

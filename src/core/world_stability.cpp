@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kSafety = 0.9;
 constexpr int kRemeasureSteps = 50;
-constexpr int kMaxParts = 100000;
 constexpr double kLeastDamping = 0.005;
 
 }  // namespace
@@ -64,7 +63,7 @@ int World::Parts::wanted_parts() {
   const double limit = integrator->stability_limit();
   if (!std::isfinite(limit)) {
     stable_dt = std::numeric_limits<double>::infinity();
-    return 1;
+    return settings.parts;
   }
   if (stable_dt_age < 0 || stable_dt_age >= kRemeasureSteps) {
     const double omega = highest_frequency(dynamics, state), rate = highest_damping_rate(dynamics, state);
@@ -75,7 +74,7 @@ int World::Parts::wanted_parts() {
   }
   ++stable_dt_age;
   const double parts = std::ceil(settings.dt / (kSafety * stable_dt) - 1e-9);
-  return static_cast<int>(std::clamp(parts, 1.0, static_cast<double>(kMaxParts)));
+  return static_cast<int>(std::clamp(parts, static_cast<double>(settings.parts), static_cast<double>(kMaxParts)));
 }
 
 }  // namespace deformable_sim

@@ -347,7 +347,8 @@ std::string Simulation::description() const {
   if (!scene_.spec.title.empty()) text << "\ntitle: " << scene_.spec.title;
   text << "\nclock: " << to_string(parameters_.clock) << "\ntime: " << world.time()
        << " s\nsteps: " << world.step_count() << "\nstep: " << world.settings().dt << " s, "
-       << world.settings().integrator << "\nstate: "
+       << world.settings().integrator << "\nsolver: "
+       << (world.settings().chosen.empty() ? "as the scene says" : world.settings().chosen) << "\nstate: "
        << (!failure_.empty() ? "failed: " + failure_
            : wants_to_step() ? "running"
                              : "paused")

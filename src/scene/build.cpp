@@ -7,6 +7,7 @@
 #include "build_parts.h"
 #include "deformable_sim/core/energy/terms.h"
 #include "deformable_sim/core/grasp/selection.h"
+#include "deformable_sim/scene/solver_choice.h"
 
 namespace deformable_sim {
 namespace {
@@ -224,6 +225,30 @@ SolverSettings solver_settings(const SceneSpec& spec) {
   return settings;
 }
 
+/// Scheme, solver and step, as the scene says or as measurements do.
+void set_solver(const SceneSpec& spec, const Model& model, WorldSettings* settings) {
+  settings->dt = spec.step.dt;
+  settings->integrator = spec.step.integrator;
+  settings->solver = solver_settings(spec);
+  if (spec.step.mode == SolverMode::kManual) return;
+  SolverWish wish{spec.step.error, spec.step.budget, std::nullopt};
+  if (spec.step.dt_given) wish.dt = spec.step.dt;
+  const SolverChoice choice = choose_solver(features_of(spec, model), wish, read_solver_table(solver_table_file()));
+  const SolverConfiguration& chosen = choice.configuration;
+  settings->dt = chosen.dt;
+  settings->parts = choice.parts;
+  settings->chosen = choice.why;
+  if (!choice.measured()) return;
+  settings->integrator = chosen.integrator;
+  settings->chosen = chosen.text() + ": " + choice.why;
+  const bool ropes = std::all_of(spec.bodies.begin(), spec.bodies.end(),
+                                 [](const BodySpec& body) { return body.kind == BodyKind::kRope; });
+  const int ample = settings->solver.newton_iterations;
+  settings->solver = settings_of(chosen, settings->solver, ropes);
+  // As many as stiff ropes may need, where the measured ones were not limited either.
+  if (ropes && chosen.newton_iterations >= kRopeIterations) settings->solver.newton_iterations = ample;
+}
+
 }  // namespace
 
 std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
@@ -279,9 +304,7 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
 std::unique_ptr<World> build_world(const SceneSpec& spec) {
   std::shared_ptr<const Model> model = build_model(spec);
   WorldSettings settings;
-  settings.dt = spec.step.dt;
-  settings.integrator = spec.step.integrator;
-  settings.solver = solver_settings(spec);
+  set_solver(spec, *model, &settings);
   settings.grasp_max_speed = spec.grasp_max_speed;
   std::vector<Collider> colliders;
   for (const ColliderSpec& collider : spec.colliders) colliders.push_back(collider.collider);

@@ -1,5 +1,7 @@
 #include "keys.h"
 
+#include <cctype>
+
 namespace deformable_sim {
 namespace {
 
@@ -54,9 +56,41 @@ Table<AirSpec> air_table() {
   return t;
 }
 
+double read_accuracy(const YamlValue& v, const std::string& path) {
+  const std::vector<std::pair<std::string, double>> words{
+      {"interactive", 0.03}, {"engineering", 0.01}, {"reference", 0.001}};
+  for (const auto& [word, error] : words) {
+    if (v.kind == YamlValue::Kind::kScalar && v.text == word) return error;
+  }
+  const Range range = between(1e-5, 0.1);
+  if (v.kind == YamlValue::Kind::kScalar && !v.quoted && !v.text.empty() &&
+      std::isalpha(static_cast<unsigned char>(v.text[0])) == 0) {
+    return read_number(v, path, range);
+  }
+  refuse(v, path, "must be interactive, engineering, reference or a number, " + range.text());
+}
+
 Table<StepSpec> step_table() {
-  Table<StepSpec> t("step", "Time stepping. All keys from linear_solver on are for implicit schemes.");
-  t.number("dt", "s", &StepSpec::dt, between(1e-6, 0.1), "One step of simulated time.");
+  Table<StepSpec> t("step",
+                    "Time stepping. Without any key but dt, accuracy and budget, the cheapest solver that is accurate "
+                    "enough is chosen (auto). Keys from linear_solver on are for implicit schemes.");
+  t.add({"solver", "word", "", "auto unless a key below names a part of it", "auto, manual",
+         "auto: from what was measured of scenes like this one (config/solvers.yaml); describe says what and why. "
+         "manual: as the keys below say, or their defaults."},
+        [](const YamlValue& v, const std::string& path, StepSpec* out) {
+          out->mode = read_choice(v, path, {"auto", "manual"}) == "auto" ? SolverMode::kAuto : SolverMode::kManual;
+        });
+  t.add({"accuracy", "word or number", "", "engineering", "interactive, engineering, reference, 1e-5 ... 0.1",
+         "With auto: error of the positions over a second (RMS, relative to the body's size): 3, 1 and 0.1 %."},
+        [](const YamlValue& v, const std::string& path, StepSpec* out) { out->error = read_accuracy(v, path); });
+  t.number("budget", "s/s", &StepSpec::budget, above(0, 1e6),
+           "With auto: CPU time per simulated time that it may take; beyond, accuracy gives way.");
+  t.add({"dt", "number", "s", "chosen (auto), 0.01 (manual)", between(1e-6, 0.1).text(),
+         "One step of simulated time. auto divides one that is too long."},
+        [](const YamlValue& v, const std::string& path, StepSpec* out) {
+          out->dt = read_number(v, path, between(1e-6, 0.1));
+          out->dt_given = true;
+        });
   t.choice("integrator", &StepSpec::integrator, integrator_names(), "Time scheme.");
   t.add({"precision", "word", "", "double", "double, single",
          "Of cloth on grids with substepped_verlet: single costs half and has an error of about 1e-4 of its own."},

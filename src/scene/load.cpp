@@ -41,9 +41,30 @@ class SceneReader {
         [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_colliders(v, path, out); },
         [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_grasps(v, path, out); }};
     scene_table(lists).read(root, "", scene);
+    if (const YamlValue* step = root.find("step")) choose_mode(*step, &scene->step);
   }
 
  private:
+  /// A scene that names a part of the solver names all of it.
+  static void choose_mode(const YamlValue& given, StepSpec* step) {
+    const YamlValue* mode = given.find("solver");
+    for (const YamlValue& item : given.items) {
+      const bool wish = item.key == "accuracy" || item.key == "budget";
+      if (item.key == "solver" || item.key == "dt") continue;
+      if (wish && step->mode == SolverMode::kManual) refuse_key(item, "step." + item.key, "belongs to solver: auto");
+      if (wish) continue;
+      if (mode != nullptr && step->mode == SolverMode::kAuto) {
+        refuse_key(item, "step." + item.key, "solver: auto chooses it; leave out one of the two");
+      }
+      step->mode = SolverMode::kManual;
+    }
+    if (mode != nullptr || step->mode == SolverMode::kAuto) return;
+    for (const char* key : {"accuracy", "budget"}) {
+      const YamlValue* wish = given.find(key);
+      if (wish) refuse_key(*wish, std::string("step.") + key, "belongs to solver: auto; other keys name a solver");
+    }
+  }
+
   void read_bodies(const YamlValue& list, const std::string& path, SceneSpec* scene) {
     const std::vector<YamlValue>& items = read_list(list, path, "bodies");
     if (items.empty()) refuse(list, path, "must hold at least one body: cloth, rope or soft");

@@ -82,6 +82,7 @@ std::string run_summary(const RunReport& report) {
   std::string text;
   text += line("simulated   %.3f s in %llu steps of %g s (%s)\n", s.time, static_cast<unsigned long long>(s.step), s.dt,
                s.integrator.c_str());
+  if (!report.solver.empty()) text += "solver      " + report.solver + "\n";
   text += line("cost        %.3f s CPU, %.3f s wall, real-time factor %.2f\n", report.cpu_seconds, report.wall_seconds,
                report.real_time_factor());
   text += line("strain      largest %.2f %%\n", 100 * report.max_strain);
@@ -127,7 +128,7 @@ std::string run_json(const RunReport& report) {
   return "{" + member("scene", quoted(report.scene)) + ", " + member("error", quoted(report.error)) + ", " +
          member("time", number(s.time)) + ", " + member("steps", std::to_string(s.step)) + ", " +
          member("dt", number(s.dt)) + ", " + member("integrator", quoted(s.integrator)) + ", " +
-         member("cpu_seconds", number(report.cpu_seconds)) + ", " +
+         member("solver", quoted(report.solver)) + ", " + member("cpu_seconds", number(report.cpu_seconds)) + ", " +
          member("wall_seconds", number(report.wall_seconds)) + ", " +
          member("real_time_factor", number(report.real_time_factor())) + ", " + member("bodies", "{" + bodies + "}") +
          ", " + member("grasps", "{" + grasps + "}") + ", " +

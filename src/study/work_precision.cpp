@@ -9,6 +9,7 @@ namespace deformable_sim::work_precision {
 namespace {
 
 constexpr std::array<const char*, 3> kStatus = {"done", "diverged", "stopped"};
+constexpr double kWholeLimit = 0.95;
 constexpr double kTrust = 3.0;  // of a difference between halvings
 
 std::string short_number(double value) {
@@ -34,6 +35,7 @@ std::string Configuration::family() const {
   std::string text = integrator;
   if (!is_explicit()) text += ", " + linear_text() + ", Newton " + newton_text();
   if (precision != "double") text += ", " + precision;
+  if (fraction != kWholeLimit) text += ", " + short_number(fraction) + " of the limit";
   return text;
 }
 

@@ -24,7 +24,8 @@ struct Configuration {
   int newton_iterations = 0;         // at most, per stage; kConverged; 0 = explicit
   double linear_tolerance = 0.0;     // cg, multigrid
   int linear_iterations = 0;         // cg, multigrid: at most; 0 = a factorisation
-  std::string precision = "double";  // of the linear solver's inner work
+  std::string precision = "double";  // of sheets on grids, substepped_verlet
+  double fraction = 0.95;            // of the longest stable part, substepped_verlet
   int steps = 1;                     // in a quarter of the run
 
   bool is_explicit() const { return linear_solver.empty(); }
@@ -122,7 +123,8 @@ struct Pick {
 
 /// Facts of a scene that a choice of solver may rest on.
 struct Features {
-  std::string kind;  // cloth, rope, soft, mixed
+  std::string kind;    // cloth, rope, soft, mixed
+  std::string bodies;  // SceneFeatures; empty: no choice of solver is about it
   int nodes = 0;
   double stiffness_ratio = kNone;  // E h / (rho h g L), E A / (rho A g L), E / (rho g L) of the first body
   double explicit_steps = kNone;   // of velocity Verlet in 1/60 s, at its limit

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "deformable_sim/scene/build.h"
+#include "deformable_sim/scene/solver_choice.h"
 
 namespace deformable_sim::work_precision {
 namespace {
@@ -21,6 +22,12 @@ constexpr double kGravity = 9.81;  // m/s^2, of the stiffness ratio
 constexpr char kLadderScene[] = "hang_20", kLadderKey[] = "bodies[0].cloth.material.membrane_stiffness";
 constexpr int kStiffnesses[] = {100,   200,   500,    2000,   5000,   10000,
                                 20000, 50000, 100000, 200000, 500000, 1000000};  // N/m
+
+// Kinds of bodies and of contact that the scenes of config/suite do not have.
+constexpr const char* kShipped[] = {
+    "cable_twist",       "denim_drape",          "hanging_sheet",      "jelly_lattice_springs", "napkin_on_sphere",
+    "pleated_cloth",     "provot_cloth",         "rope_over_cylinder", "rubber_beam",           "soft_cube_on_table",
+    "spring_steel_coil", "strain_limited_towel", "towel_on_table",     "tshirt_on_table"};
 
 std::string kind_of(const SceneSpec& spec) {
   const auto name = [](BodyKind kind) {
@@ -63,8 +70,11 @@ class SceneCase : public Case {
     const std::shared_ptr<const Model> model = build_model(spec_);
     features.kind = kind_of(spec_);
     features.nodes = model->point_count();
-    features.contact = !spec_.colliders.empty();
-    features.strain_limits = !model->strain_limits.empty();
+    const SceneFeatures scene = features_of(spec_, *model);
+    features.bodies = scene.bodies;
+    features.explicit_steps = scene.explicit_steps;
+    features.contact = scene.contact;
+    features.strain_limits = scene.strain_limits;
     const Body& body = model->bodies.front();
     const auto x = model->initial.x.middleCols(body.first_node, body.node_count);
     features.stiffness_ratio =
@@ -74,6 +84,7 @@ class SceneCase : public Case {
   std::unique_ptr<World> make(double dt, const std::string& integrator, const SolverSettings& settings) const override {
     SceneSpec spec = spec_;
     spec.step.dt = dt;
+    spec.step.mode = SolverMode::kManual;
     spec.step.integrator = integrator;
     spec.step.solver = settings;
     // Nothing is left for the scene to choose.
@@ -186,6 +197,7 @@ std::vector<SuiteEntry> suite() {
     const std::string value = std::to_string(stiffness);
     entries.push_back({std::string(kLadderScene) + "_" + value, kLadderScene, {{kLadderKey, value}}});
   }
+  for (const char* name : kShipped) entries.push_back({name, name, {}});
   for (const std::string& name : golden_names()) entries.push_back({name, name, {}});
   return entries;
 }

@@ -27,7 +27,7 @@ class Case {
   double seconds = 1.0;   // T
   SolverSettings solver;  // what the scene says beyond what is swept
   bool jacobian_given = false;
-  Features features;  // explicit_steps is not known yet
+  Features features;  // explicit_steps may not be known yet
 
   double quarter() const { return seconds / kQuarters; }
 };
@@ -47,7 +47,7 @@ struct SuiteEntry {
   std::vector<Override> overrides;
 };
 /// The scenes of config/suite, the stiffnesses from 1e2 to 1e6 N/m of its smallest sheet (hang_20_200, three a decade),
-/// and the golden trajectories.
+/// shipped scenes with other bodies and contacts, and the golden trajectories.
 std::vector<SuiteEntry> suite();
 /// Where those scenes lie.
 std::string suite_dir();

@@ -1,6 +1,7 @@
 #include "work_precision_command.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -25,13 +26,14 @@ const char kUsage[] =
     "                            [--set KEY=VALUE]...\n"
     "\n"
     "SCENE            a file, the name of a shipped scene or of one of the suite (study work_precision --list)\n"
-    "--suite          the scenes of config/suite, a ladder of stiffnesses and the golden trajectories, one by one\n"
+    "--suite          the scenes of config/suite, a ladder of stiffnesses, shipped scenes and golden trajectories\n"
     "--seconds T      simulated time, s (default 1; a golden trajectory has its own)\n"
     "--out DIR        writes NAME.csv, NAME.json and NAME.summary.json there, and NAME.runs.csv while it runs\n"
     "--budget S       CPU time for a scene, s (default 600; 60 with --quick)\n"
     "--resume         goes on where a study of the same scene and program was interrupted; with --out\n"
     "--quick          few configurations and steps\n"
     "--quiet          no progress\n"
+    "--store          (./run study) writes config/solvers.yaml, which `solver: auto` chooses from, of all results in DIR\n"
     "--set KEY=VALUE  replaces any key of the scene by its path\n"
     "\n"
     "Exit codes: 0 done, 1 a study could not be made, 2 the input was refused.\n";
@@ -162,7 +164,7 @@ Result study_case(const Case& c, const Arguments& a, Progress* progress) {
 
   const UsableSteps usable = usable_steps(c);
   const double verlet = usable.at("velocity_verlet");
-  result.features.explicit_steps = 1.0 / (60.0 * verlet);
+  if (std::isnan(result.features.explicit_steps)) result.features.explicit_steps = 1.0 / (60.0 * verlet);
   const std::unique_ptr<World> start = c.make(verlet, "velocity_verlet", c.solver);
   const Yardstick yardstick(start->shared_model(), start->state());
 

@@ -95,6 +95,24 @@ std::vector<Configuration> implicit_configurations(const Case& c, const std::str
   return all;
 }
 
+std::vector<Configuration> explicit_configurations(const Case& c, const std::string& integrator, study::Effort effort) {
+  std::vector<Configuration> all(1);
+  all[0].integrator = integrator;
+  if (integrator != "substepped_verlet") return all;
+  const bool grid = c.features.bodies == "sheet on a grid";
+  for (const char* precision : {"double", "single"}) {
+    if (!grid && std::string(precision) == "single") continue;
+    for (const double fraction : {0.95, 0.6}) {
+      if (fraction == 0.95 && std::string(precision) == "double") continue;
+      if (effort == study::Effort::kQuick && fraction != 0.95) continue;
+      all.push_back(all[0]);
+      all.back().precision = precision;
+      all.back().fraction = fraction;
+    }
+  }
+  return all;
+}
+
 bool diverged(const Row& row) {
   return row.status == Status::kDiverged;
 }
@@ -134,9 +152,9 @@ std::vector<Family> plan(const Case& c, const UsableSteps& usable, study::Effort
   for (const std::string& name : integrator_names()) {
     const auto step = usable.find(name);
     if (step != usable.end()) {
-      Configuration k;
-      k.integrator = name;
-      families.push_back({k, explicit_ladder(c.quarter(), step->second, effort)});
+      for (const Configuration& k : explicit_configurations(c, name, effort)) {
+        families.push_back({k, explicit_ladder(c.quarter(), step->second, effort)});
+      }
       continue;
     }
     for (const Configuration& k : implicit_configurations(c, name, effort)) {

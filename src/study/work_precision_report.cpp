@@ -58,8 +58,8 @@ std::string list(const Range& range, Text&& text, const char* between = ", ") {
 }
 
 std::string features_json(const Features& f) {
-  return "{\"kind\": " + quoted(f.kind) + ", \"nodes\": " + std::to_string(f.nodes) +
-         ", \"stiffness_ratio\": " + json_number(f.stiffness_ratio) +
+  return "{\"kind\": " + quoted(f.kind) + ", \"bodies\": " + quoted(f.bodies) +
+         ", \"nodes\": " + std::to_string(f.nodes) + ", \"stiffness_ratio\": " + json_number(f.stiffness_ratio) +
          ", \"explicit_steps_per_frame\": " + json_number(f.explicit_steps) +
          ", \"contact\": " + (f.contact ? "true" : "false") +
          ", \"strain_limits\": " + (f.strain_limits ? "true" : "false") + "}";
@@ -169,8 +169,8 @@ std::string summary_of(const Result& result) {
            ", \"newton_iterations\": " + std::to_string(c.newton_iterations) +
            ", \"linear_tolerance\": " + json_number(c.linear_tolerance) +
            ", \"linear_iterations\": " + std::to_string(c.linear_iterations) +
-           ", \"precision\": " + quoted(c.precision) + ", \"dt\": " + json_number(row.dt) +
-           ", \"cpu_per_second\": " + json_number(row.cost.cpu) +
+           ", \"precision\": " + quoted(c.precision) + ", \"fraction_of_limit\": " + json_number(c.fraction) +
+           ", \"dt\": " + json_number(row.dt) + ", \"cpu_per_second\": " + json_number(row.cost.cpu) +
            ", \"position_error\": " + json_number(row.errors.position) +
            ", \"settled\": " + (row.settled() ? "true" : "false") + "}";
   };

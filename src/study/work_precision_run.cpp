@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "deformable_sim/core/integrator/cpu_time.h"
+#include "deformable_sim/scene/solver_choice.h"
 
 namespace deformable_sim::work_precision {
 namespace {
@@ -103,20 +104,15 @@ Cost cost_of(const Tally& tally, const Clock& clock, double dt) {
 }  // namespace
 
 SolverSettings settings_of(const Case& c, const Configuration& configuration, double tight) {
-  SolverSettings settings = c.solver;
-  if (configuration.is_explicit()) return settings;
-  const std::string& linear = configuration.linear_solver;
-  settings.linear = linear == "banded"      ? SolverSettings::Linear::kBanded
-                    : linear == "multigrid" ? SolverSettings::Linear::kMultigrid
-                    : linear == "direct"    ? SolverSettings::Linear::kDirect
-                                            : SolverSettings::Linear::kConjugateGradient;
+  SolverConfiguration k;
+  k.linear_solver = configuration.linear_solver;
+  k.newton_iterations = configuration.is_converged() ? kConvergedIterations : configuration.newton_iterations;
+  k.linear_tolerance = configuration.linear_tolerance;
+  k.linear_iterations = configuration.linear_iterations;
+  k.precision = configuration.precision;
+  k.fraction_of_limit = configuration.fraction;
   // What a rope takes where its scene says nothing.
-  if (linear == "banded" && !c.jacobian_given) settings.jacobian = Jacobian::kLagged;
-  if (configuration.is_iterative()) {
-    settings.linear_tolerance = configuration.linear_tolerance;
-    settings.linear_iterations = configuration.linear_iterations;
-  }
-  settings.newton_iterations = configuration.is_converged() ? kConvergedIterations : configuration.newton_iterations;
+  SolverSettings settings = settings_of(k, c.solver, !c.jacobian_given);
   if (configuration.is_converged()) settings.tolerance = tight;
   return settings;
 }

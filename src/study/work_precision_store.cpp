@@ -74,6 +74,7 @@ std::vector<Column> columns() {
           number_column("linear_tolerance", AT(configuration.linear_tolerance)),
           integer_column("linear_iterations", AT(configuration.linear_iterations)),
           text_column("precision", AT(configuration.precision)),
+          number_column("fraction_of_limit", AT(configuration.fraction)),
           integer_column("steps_per_quarter", AT(configuration.steps)),
           number_column("dt_s", AT(dt)),
           {"status", false, [](const Row& row) { return status_text(row.status); },

@@ -15,8 +15,10 @@ namespace deformable_sim {
 
 struct WorldSettings {
   double dt = 0.01;  // s, one step
+  int parts = 1;     // that a step is taken in, at least
   std::string integrator = "implicit_euler";
   SolverSettings solver;
+  std::string chosen;               // why these, where the scene left it open; shown to people
   double grasp_max_speed = 1.0;     // m/s, for grasps that name none
   double collider_max_speed = 5.0;  // m/s, faster moves are spread over steps
 };

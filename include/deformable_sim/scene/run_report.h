@@ -10,7 +10,8 @@ namespace deformable_sim {
 
 struct RunReport {
   std::string scene;
-  std::string error;  // empty: the run reached its end
+  std::string error;   // empty: the run reached its end
+  std::string solver;  // what was chosen and why; empty: the scene names it
   Snapshot last;
   double cpu_seconds = 0.0;      // process CPU time of stepping
   double wall_seconds = 0.0;     // of stepping
@@ -26,7 +27,7 @@ struct RunReport {
 std::string run_summary(const RunReport& report);
 
 /// One object, on one line: scene, error, time, steps, dt, integrator, cpu_seconds, wall_seconds, real_time_factor,
-/// bodies {NAME: {nodes, max_strain, min_strain, energies {kinetic, elastic, potential}, bounds {min, max},
+/// solver, bodies {NAME: {nodes, max_strain, min_strain, energies {kinetic, elastic, potential}, bounds {min, max},
 /// center_of_mass}}, grasps {NAME: {force, torque, state}}, max_penetration, max_strain, warnings, bill [{part, detail,
 /// share}]. SI units. Numbers that are not finite become null.
 std::string run_json(const RunReport& report);

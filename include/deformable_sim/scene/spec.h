@@ -202,11 +202,17 @@ struct AirSpec {
   double damping = 0.0;           // 1/s: linear drag per unit mass
 };
 
+enum class SolverMode { kAuto, kManual };
+
 struct StepSpec {
-  double dt = 0.01;  // s
+  /// Auto: build_world() chooses integrator, solver and, unless it is given, dt.
+  SolverMode mode = SolverMode::kAuto;
+  double error = 0.01;  // auto: of the positions, relative to the body's size, that is asked for
+  double budget = 0.8;  // auto: CPU s per simulated s that it may take
+  double dt = 0.01;     // s
+  bool dt_given = false;
   std::string integrator = "implicit_euler";
-  SolverSettings solver;  // keys: linear_solver (direct | cg | banded), newton_iterations, tolerance, linear_tolerance,
-                          // linear_iterations, jacobian (projected | lagged | axial)
+  SolverSettings solver;
   // linear_solver, newton_iterations, jacobian: else build_world() decides
   bool solver_given = false, iterations_given = false, jacobian_given = false;
 };

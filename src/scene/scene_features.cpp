@@ -1,0 +1,55 @@
+// What a choice of solver rests on.
+#include <algorithm>
+#include <cmath>
+
+#include "deformable_sim/core/integrator/integrator.h"
+#include "deformable_sim/scene/solver_choice.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr double kFrame = 1.0 / 60.0;  // s
+constexpr double kLeastSteps = 1e-3;   // a scene without forces has no limit
+constexpr const char* kMixed = "mixed";
+
+std::string bodies_of(const SceneSpec& spec, const Model& model) {
+  const BodyKind kind = spec.bodies.front().kind;
+  for (const BodySpec& body : spec.bodies) {
+    if (body.kind != kind) return kMixed;
+  }
+  if (kind == BodyKind::kSoft) return "solid";
+  if (kind == BodyKind::kRope) {
+    if (model.angle_count == 0) return "rope";
+    const bool all =
+        std::all_of(model.bodies.begin(), model.bodies.end(), [](const Body& b) { return b.first_segment >= 0; });
+    return all ? "rod" : kMixed;
+  }
+  int on_grids = 0;
+  for (const GridSheet& grid : model.grids) on_grids += grid.node_count();
+  const bool drag = spec.air.drag_coefficient != 0.0 && spec.air.density != 0.0;
+  return on_grids == model.point_count() && !drag ? "sheet on a grid" : "sheet";
+}
+
+/// Of velocity Verlet, s, at the start with nothing held.
+double stable_step_of(const Model& model) {
+  Dynamics d;
+  d.mass = &model.mass;
+  if (model.mass_matrix.nonZeros() > 0) d.mass_matrix = &model.mass_matrix;
+  for (const auto& energy : model.energies) d.energies.push_back(energy.get());
+  const std::unique_ptr<Integrator> scheme = make_integrator("velocity_verlet", {});
+  return stable_step(*scheme, highest_frequency(d, model.initial), highest_damping_rate(d, model.initial));
+}
+
+}  // namespace
+
+SceneFeatures features_of(const SceneSpec& spec, const Model& model) {
+  SceneFeatures features;
+  features.bodies = bodies_of(spec, model);
+  features.nodes = model.point_count();
+  features.explicit_steps = std::max(kLeastSteps, kFrame / stable_step_of(model));
+  features.contact = !spec.colliders.empty() || spec.robot.present;
+  features.strain_limits = !model.strain_limits.empty();
+  return features;
+}
+
+}  // namespace deformable_sim
