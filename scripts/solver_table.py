@@ -8,6 +8,7 @@ LARGEST = 0.1          # error worth choosing
 WANTED = [0.03, 0.02, 0.01, 0.003, 0.001]
 SLOWEST, FASTEST = 60, 3840  # steps a second: a display and a controller ask for 60 at least
 OWN_STEP = ('explicit_euler', 'symplectic_euler', 'velocity_verlet', 'rk4')  # their steps follow the scene
+AMPLE = 20             # Newton iterations
 CONVERGED = 1000       # Newton iterations that stand for a yardstick, not for a way to run a scene
 
 HEAD = """\
@@ -45,9 +46,11 @@ def is_known(run):
     return run['status'] == 'done' and run['position_error'] is not None and run['cpu_per_second'] is not None
 
 
-def is_offered(run):
-    """May a scene be run so?"""
-    return on_ladder(run['dt_s']) and run['integrator'] not in OWN_STEP and run['newton_iterations'] != CONVERGED
+def is_offered(run, bodies):
+    """May a scene be run so? Of a rope, the tolerance has to end Newton's iterations, not their number."""
+    few = bodies in ('rope', 'rod') and 0 < run['newton_iterations'] < AMPLE
+    return (on_ladder(run['dt_s']) and run['integrator'] not in OWN_STEP and not few
+            and run['newton_iterations'] != CONVERGED)
 
 
 class Scene:
@@ -55,7 +58,7 @@ class Scene:
         self.study = study
         self.resolution = study['reference']['resolution'] or 1.0
         self.known = [run for run in study['runs'] if is_known(run)]
-        self.offered = [run for run in self.known if is_offered(run) and self.error(run) <= LARGEST]
+        self.offered = [run for run in self.known if is_offered(run, study['features']['bodies']) and self.error(run) <= LARGEST]
 
     def error(self, run):
         """What can be told of it: not less than the reference resolves."""

@@ -10,6 +10,7 @@
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/scene/material_library.h"
 #include "study/bench.h"
+#include "study/solver_report.h"
 #include "study/work_precision_command.h"
 
 namespace {
@@ -21,6 +22,7 @@ constexpr int kDone = 0, kFailed = 1, kRefused = 2;
 const char kUsage[] =
     "usage: study material MATERIAL [--model M] [--out DIR] [--quick] [--json]\n"
     "       study work_precision SCENE | --suite ...      (study work_precision --help)\n"
+    "       study solvers            what solver: auto chooses for the scenes of config/solvers.yaml, and how good it is\n"
     "       study --list | --models | --material-reference | --help\n"
     "       ./run study verify [--only TESTS] [--out DIR]   (in a checkout: every yardstick, see doc/verification.md)\n"
     "\n"
@@ -43,7 +45,7 @@ struct Arguments {
 Arguments read_arguments(const std::vector<std::string>& words) {
   if (words.empty() || words[0] != "material")
     throw InputError("'" + (words.empty() ? "" : words[0]) +
-                     "': the first word must be 'material' or 'work_precision', or the only one --list, --models, "
+                     "': the first word must be 'material', 'work_precision' or 'solvers', or the only one --list, --models, "
                      "--material-reference or --help");
   Arguments a;
   for (size_t k = 1; k < words.size(); ++k) {
@@ -152,6 +154,10 @@ int main(int argc, char** argv) {
     if (precision) return work_precision::command({words.begin() + 1, words.end()});
     if (words.size() == 1 && words[0] == "--material-reference") {
       std::cout << material_reference(load_material_library(default_material_dir()));
+      return kDone;
+    }
+    if (words.size() == 1 && words[0] == "solvers") {
+      std::cout << study::solver_report(read_solver_table(solver_table_file()));
       return kDone;
     }
     if (words.size() == 1 && words[0] == "--list") {

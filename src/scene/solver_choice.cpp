@@ -11,6 +11,7 @@ constexpr size_t kNeighbours = 3;
 constexpr double kSame = 0.02;   // distance at which a scene is the measured one
 constexpr double kFar = 3.0;     // octaves more than the nearest: too far to have a say
 constexpr double kOther = 4.0;   // octaves that contact counts, or a strain limit, where only one of two has it
+constexpr double kUnlike = 1.5;  // that errors of similar scenes are taken for
 constexpr double kRound = 1e-6;  // of a step
 
 struct Neighbour {
@@ -84,7 +85,8 @@ bool expect(const std::vector<Neighbour>& near, size_t index, const SolverConfig
     cpu += n.weight * std::log(run->cpu / work(configuration, n.scene->features));
   }
   if (!(weight > 0.0)) return false;
-  *expected = {index, std::exp(error / weight), std::exp(cpu / weight) * work(configuration, scene), 1};
+  const double unlike = near.front().distance < kSame ? 1.0 : kUnlike;
+  *expected = {index, unlike * std::exp(error / weight), std::exp(cpu / weight) * work(configuration, scene), 1};
   return true;
 }
 

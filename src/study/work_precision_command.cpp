@@ -33,7 +33,8 @@ const char kUsage[] =
     "--resume         goes on where a study of the same scene and program was interrupted; with --out\n"
     "--quick          few configurations and steps\n"
     "--quiet          no progress\n"
-    "--store          (./run study) writes config/solvers.yaml, which `solver: auto` chooses from, of all results in DIR\n"
+    "--store          (./run study) writes config/solvers.yaml, which `solver: auto` chooses from, of all results in "
+    "DIR\n"
     "--set KEY=VALUE  replaces any key of the scene by its path\n"
     "\n"
     "Exit codes: 0 done, 1 a study could not be made, 2 the input was refused.\n";

@@ -282,7 +282,7 @@ TEST(SceneOverrides, AreRefusedByTheirPath) {
       {"step.dt", "[1", "--set step.dt: '[1': VALUE:1: not valid YAML"},
       {"step.dt", "-1", "--set step.dt: -1 is out of range; allowed: 1e-06 ... 0.1"},
       {"step.dt", "", "--set step.dt: must be a number, not nothing"},
-      {"step.dtt", "1", "--set step.dtt: unknown key; did you mean 'dt'? Allowed: dt"},
+      {"step.dtt", "1", "--set step.dtt: unknown key; did you mean 'dt'? Allowed: solver, accuracy"},
       {"step", "{dt: fast}", "--set step: step.dt: must be a number, not 'fast'"}};
   for (const auto& [path, value, expected] : cases) {
     const std::string message = refusal_of(kCloth, {{path, value}});

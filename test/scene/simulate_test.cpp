@@ -57,11 +57,12 @@ TEST(Simulate, RefusesBadScenesWithCode2AndTheReason) {
 }
 
 TEST(Simulate, EndsWithOneJsonObject) {
-  const Outcome outcome = run("curtain --seconds 0.1 --quiet --json --set bodies[0].cloth.cells=[4,3] 2>/dev/null");
+  const Outcome outcome = run("curtain --seconds 0.1 --quiet --json --set step.dt=0.01 --set bodies[0].cloth.cells=[4,3] 2>/dev/null");
   ASSERT_EQ(outcome.code, 0);
   const YAML::Node json = YAML::Load(outcome.out);  // JSON is YAML
   EXPECT_NEAR(json["time"].as<double>(), 0.1, 1e-9);
   EXPECT_EQ(json["steps"].as<int>(), 10);
+  EXPECT_NE(json["solver"].as<std::string>().find("asked for an error of 1 %"), std::string::npos);
   for (const char* key : {"cpu_seconds", "wall_seconds", "real_time_factor", "max_penetration"}) {
     EXPECT_GE(json[key].as<double>(), 0.0) << key;
   }

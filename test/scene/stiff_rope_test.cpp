@@ -44,13 +44,25 @@ TEST(StiffRope, ByNameSwingsAsTheSchemeSays) {
   for (const std::string material : {"steel_cable", "nylon_rope", "kevlar_49_rope", "hmpe_rope", "steel_wire_1mm"}) {
     for (const std::string model : {"springs", "rod"}) {
       const std::string keys = "segments: 20, model: " + model + ", material: " + material;
-      const auto world = swinging_rope("dt: 0.01", keys);
+      const auto world = swinging_rope("solver: manual, dt: 0.01", keys);
       const auto exact =
           swinging_rope("dt: 0.01, linear_solver: direct, newton_iterations: 200, tolerance: 1e-3", keys);
       EXPECT_LT(error_of_end(world.get(), exact.get(), 50), 1e-3) << model << ", " << material;
       EXPECT_LT(world->snapshot().report.residual, 0.02) << model << ", " << material;
       for (const std::string& warning : world->snapshot().warnings)
         EXPECT_EQ(warning.find("inaccurate"), std::string::npos) << warning;
+    }
+  }
+}
+
+TEST(StiffRope, ByNameIsSolvedToItsToleranceByWhatIsChosenForIt) {
+  for (const std::string material : {"steel_cable", "nylon_rope", "kevlar_49_rope", "hmpe_rope", "steel_wire_1mm"}) {
+    for (const std::string model : {"springs", "rod"}) {
+      const auto world = swinging_rope("solver: auto", "segments: 20, model: " + model + ", material: " + material);
+      while (world->time() < 0.5) {
+        ASSERT_TRUE(world->step().ok);
+        EXPECT_LT(world->snapshot().report.residual, 0.02) << model << ", " << material << ": " << world->settings().chosen;
+      }
     }
   }
 }

@@ -82,8 +82,9 @@ struct SolverChoice {
 };
 
 /// The cheapest configuration whose expected error is at most the wanted one. Errors and costs are those of the most
-/// similar scenes, interpolated in the logarithms of nodes and explicit steps; costs are per node, those of explicit
-/// schemes per node and explicit step. A configuration that diverged in one of them is not taken.
+/// similar scenes, interpolated in the logarithms of nodes and explicit steps, errors made half as large again; costs
+/// are per node, those of explicit schemes per node and explicit step. A configuration that diverged in one of them is
+/// not taken.
 ///
 /// Not good at: scenes unlike all that were measured (`why` names the nearest), and chaotic ones, in which no solver
 /// keeps a percent for long.
