@@ -27,7 +27,7 @@ std::string bodies_of(const SceneSpec& spec, const Model& model) {
   int on_grids = 0;
   for (const GridSheet& grid : model.grids) on_grids += grid.node_count();
   const bool drag = spec.air.drag_coefficient != 0.0 && spec.air.density != 0.0;
-  return on_grids == model.point_count() && !drag ? "sheet on a grid" : "sheet";
+  return on_grids == model.point_count() && !drag ? kSheetOnGrid : "sheet";
 }
 
 /// Of velocity Verlet, s, at the start with nothing held.

@@ -11,6 +11,7 @@ constexpr size_t kNeighbours = 3;
 constexpr double kSame = 0.02;   // distance at which a scene is the measured one
 constexpr double kFar = 3.0;     // octaves more than the nearest: too far to have a say
 constexpr double kOther = 4.0;   // octaves that contact counts, or a strain limit, where only one of two has it
+constexpr double kTie = 1.2;     // costs that differ less are the same: no measurement is better
 constexpr double kUnlike = 1.5;  // that errors of similar scenes are taken for
 constexpr double kRound = 1e-6;  // of a step
 
@@ -97,7 +98,8 @@ void fit_step(double dt, const SolverConfiguration& configuration, Expected* exp
   if (!configuration.linear_solver.empty()) expected->cpu *= configuration.dt * expected->parts / dt;
 }
 
-/// The cheapest that is accurate enough; else the most accurate that can be paid for; else the cheapest.
+/// The cheapest that is accurate enough, or what is more accurate at all but the same cost; else the most accurate
+/// that can be paid for; else the cheapest.
 const Expected& best(const std::vector<Expected>& all, const SolverWish& wish, std::string* remark) {
   const auto cheaper = [](const Expected& a, const Expected& b) { return a.cpu < b.cpu; };
   std::vector<Expected>::const_iterator cheapest = all.end(), finest = all.end();
@@ -105,7 +107,13 @@ const Expected& best(const std::vector<Expected>& all, const SolverWish& wish, s
     if (e->error <= wish.error && (cheapest == all.end() || cheaper(*e, *cheapest))) cheapest = e;
     if (e->cpu <= wish.budget && (finest == all.end() || e->error < finest->error)) finest = e;
   }
-  if (cheapest != all.end() && cheapest->cpu <= wish.budget) return *cheapest;
+  if (cheapest != all.end() && cheapest->cpu <= wish.budget) {
+    const double most = std::min(kTie * cheapest->cpu, wish.budget);
+    return *std::min_element(all.begin(), all.end(), [most](const Expected& a, const Expected& b) {
+      if ((a.cpu <= most) != (b.cpu <= most)) return a.cpu <= most;
+      return a.error < b.error;
+    });
+  }
   if (finest != all.end()) {
     *remark = cheapest == all.end() ? "; nothing measured reaches it, this comes nearest"
                                     : "; it would take " + number(cheapest->cpu) +

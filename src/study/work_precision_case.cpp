@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "deformable_sim/scene/build.h"
-#include "deformable_sim/scene/solver_choice.h"
 
 namespace deformable_sim::work_precision {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "deformable_sim/core/world.h"
 #include "deformable_sim/scene/load.h"
+#include "deformable_sim/scene/solver_choice.h"
 #include "work_precision.h"
 
 namespace deformable_sim::work_precision {
@@ -29,6 +30,7 @@ class Case {
   bool jacobian_given = false;
   Features features;  // explicit_steps may not be known yet
 
+  bool on_grid() const { return features.bodies == kSheetOnGrid; }
   double quarter() const { return seconds / kQuarters; }
 };
 

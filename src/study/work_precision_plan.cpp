@@ -99,9 +99,8 @@ std::vector<Configuration> explicit_configurations(const Case& c, const std::str
   std::vector<Configuration> all(1);
   all[0].integrator = integrator;
   if (integrator != "substepped_verlet") return all;
-  const bool grid = c.features.bodies == "sheet on a grid";
   for (const char* precision : {"double", "single"}) {
-    if (!grid && std::string(precision) == "single") continue;
+    if (!c.on_grid() && std::string(precision) == "single") continue;
     for (const double fraction : {0.95, 0.6}) {
       if (fraction == 0.95 && std::string(precision) == "double") continue;
       if (effort == study::Effort::kQuick && fraction != 0.95) continue;

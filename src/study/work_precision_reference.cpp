@@ -14,14 +14,15 @@ constexpr double kTightest = 1e-9;   // m/s^2
 constexpr int kFirstImplicit = 240;  // steps a second
 constexpr int kDirectNodes = 200;    // up to which a sheet or solid is factorised
 constexpr int kFewestSteps = 4;
+constexpr double kPartsOfStep = 16.0;  // of Verlet on a grid, before what is done once a step is forgotten
 
 Configuration implicit(const Case& c, const std::string& integrator) {
   Configuration k;
   k.integrator = integrator;
   const bool rope = c.features.kind == "rope";
-  k.linear_solver = rope ? "banded" : c.features.nodes <= kDirectNodes ? "direct" : "cg";
+  k.linear_solver = rope ? "banded" : c.features.nodes <= kDirectNodes ? "direct" : c.on_grid() ? "multigrid" : "cg";
   k.newton_iterations = kConverged;
-  if (k.linear_solver == "cg") {
+  if (k.linear_solver == "cg" || k.linear_solver == "multigrid") {
     k.linear_tolerance = 1e-4;
     k.linear_iterations = 20000;
   }
@@ -35,6 +36,20 @@ Configuration explicit_scheme(const Case& c, const std::string& integrator) {
   k.integrator = integrator;
   k.steps = std::max(kFewestSteps, static_cast<int>(std::ceil(c.quarter() / usable_step(c, integrator))));
   return k;
+}
+
+/// Verlet by the kernels of sheets on grids: thirty times cheaper a step than Runge-Kutta, of the second order only.
+Configuration grid_scheme(const Case& c, double verlet_step) {
+  Configuration k;
+  k.integrator = "substepped_verlet";
+  k.steps = std::max(kFewestSteps, static_cast<int>(std::ceil(c.quarter() / (kPartsOfStep * verlet_step))));
+  return k;
+}
+
+/// The step, and with it the parts of one that is divided.
+void halve(Configuration* k) {
+  k->steps *= 2;
+  if (k->integrator == "substepped_verlet") k->fraction *= 0.5;
 }
 
 bool affordable(const Case& c, const Configuration& k, double most) {
@@ -91,7 +106,7 @@ Refinement refine(const Case& c, const Yardstick& yardstick, Configuration confi
     }
     if (now.status == Status::kDiverged) {
       before.clear();
-      configuration.steps *= 2;
+      halve(&configuration);
       continue;
     }
     std::vector<Trajectory> row{now.trajectory};
@@ -115,7 +130,7 @@ Refinement refine(const Case& c, const Yardstick& yardstick, Configuration confi
       if (least < goal) return found;
     }
     before = std::move(row);
-    configuration.steps *= 2;
+    halve(&configuration);
   }
   return found;
 }
@@ -126,8 +141,11 @@ Reference find_reference(const Case& c, const Yardstick& yardstick, double verle
   const double tight = tight_tolerance(c, verlet_step, kTightest);
   const Configuration rk4 = explicit_scheme(c, "rk4");
   const bool use_rk4 = !c.features.strain_limits && affordable(c, rk4, kMainShare * most);
-  const Configuration main = use_rk4 ? rk4 : implicit(c, "tr_bdf2");
-  const Configuration other = implicit(c, use_rk4 ? "tr_bdf2" : "bdf2");
+  const Configuration grid = grid_scheme(c, verlet_step);
+  const bool use_grid = !use_rk4 && c.on_grid() && !c.features.strain_limits && affordable(c, grid, kMainShare * most);
+  const bool is_explicit = use_rk4 || use_grid;
+  const Configuration main = use_rk4 ? rk4 : use_grid ? grid : implicit(c, "tr_bdf2");
+  const Configuration other = implicit(c, is_explicit ? "tr_bdf2" : "bdf2");
 
   progress->show("reference by " + main.family(), 0.0, most);
   const Refinement first =

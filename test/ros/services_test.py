@@ -325,6 +325,16 @@ class Services(unittest.TestCase):
         wait_until(lambda: '/deformable_sim/sheet/points' not in topics(), 'the end of the old ones')
         wait_until(lambda: '/deformable_sim/grasp/pin_napkin_corner_0/wrench' in topics(), 'wrench topics')
 
+    def test_the_solver_that_was_chosen_is_described_with_its_reason(self):
+        scene = ('bodies:\n  - cloth: {name: sheet, cells: [20, 20], bending: quadratic, pins: [corner_0],\n'
+                 '             material: {bending_rigidity: 1.0e-5}}\n')
+        self.assertEqual(self.sim.load_scene(yaml='step: {accuracy: reference}\n' + scene).status.code, Status.OK)
+        self.assertIn('asked for an error of 0.1 %', self.sim.description('solver'))
+        self.assertIn('measured on hang_20', self.sim.description('solver'))
+        self.assertEqual(self.sim.load_scene(yaml='step: {integrator: bdf2}\n' + scene).status.code, Status.OK)
+        self.assertEqual(self.sim.description('solver'), 'as the scene says')
+        self.assertIn('bdf2', self.sim.description('step'))
+
     # --- refusals by topic ---
 
     def test_refused_topics_are_reported_and_change_nothing(self):

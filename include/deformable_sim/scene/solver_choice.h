@@ -10,9 +10,12 @@
 
 namespace deformable_sim {
 
+/// SceneFeatures::bodies of sheets that fast kernels know.
+constexpr char kSheetOnGrid[] = "sheet on a grid";
+
 /// What a choice rests on. The same function of a scene for those that were measured and those that ask.
 struct SceneFeatures {
-  std::string bodies;           // "sheet on a grid", "sheet", "rope", "rod", "solid", or "mixed"
+  std::string bodies;           // kSheetOnGrid, "sheet", "rope", "rod", "solid", or "mixed"
   int nodes = 0;                // points of all bodies
   double explicit_steps = 0.0;  // of velocity Verlet in 1/60 s, at its stability limit: stiffness, mesh and mass in one
   bool contact = false;         // there is something to touch
@@ -81,7 +84,8 @@ struct SolverChoice {
   bool measured() const { return error == error; }
 };
 
-/// The cheapest configuration whose expected error is at most the wanted one. Errors and costs are those of the most
+/// The cheapest configuration whose expected error is at most the wanted one; of those within a fifth of its cost, the
+/// most accurate. Errors and costs are those of the most
 /// similar scenes, interpolated in the logarithms of nodes and explicit steps, errors made half as large again; costs
 /// are per node, those of explicit schemes per node and explicit step. A configuration that diverged in one of them is
 /// not taken.
