@@ -13,6 +13,7 @@ constexpr double kFar = 3.0;     // octaves more than the nearest: too far to ha
 constexpr double kOther = 4.0;   // octaves that contact counts, or a strain limit, where only one of two has it
 constexpr double kTie = 1.2;     // costs that differ less are the same: no measurement is better
 constexpr double kUnlike = 1.5;  // that errors of similar scenes are taken for
+constexpr double kKnown = 0.3;   // of the weights: scenes that know a configuration must have so much
 constexpr double kRound = 1e-6;  // of a step
 
 struct Neighbour {
@@ -68,8 +69,7 @@ double work(const SolverConfiguration& configuration, const SceneFeatures& f) {
   return configuration.linear_solver.empty() ? f.nodes * f.explicit_steps : f.nodes;
 }
 
-/// What a configuration would do, from the nearest scene that knows it on; nothing where the nearest scene of all does
-/// not, or where it failed.
+/// What a configuration would do, from the scenes that know it; nothing where they have little say, or where it failed.
 bool expect(const std::vector<Neighbour>& near, size_t index, const SolverConfiguration& configuration,
             const SceneFeatures& scene, Expected* expected) {
   double weight = 0.0, error = 0.0, cpu = 0.0;
@@ -78,14 +78,13 @@ bool expect(const std::vector<Neighbour>& near, size_t index, const SolverConfig
     const auto run = std::find_if(n.scene->runs.begin(), n.scene->runs.end(),
                                   [index](const SolverTable::Run& r) { return r.configuration == index; });
     if (run == n.scene->runs.end()) {
-      if (weight == 0.0) return false;
       continue;
     }
     weight += n.weight;
     error += n.weight * std::log(run->error);
     cpu += n.weight * std::log(run->cpu / work(configuration, n.scene->features));
   }
-  if (!(weight > 0.0)) return false;
+  if (weight < kKnown) return false;
   const double unlike = near.front().distance < kSame ? 1.0 : kUnlike;
   *expected = {index, unlike * std::exp(error / weight), std::exp(cpu / weight) * work(configuration, scene), 1};
   return true;

@@ -57,7 +57,8 @@ TEST(Simulate, RefusesBadScenesWithCode2AndTheReason) {
 }
 
 TEST(Simulate, EndsWithOneJsonObject) {
-  const Outcome outcome = run("curtain --seconds 0.1 --quiet --json --set step.dt=0.01 --set bodies[0].cloth.cells=[4,3] 2>/dev/null");
+  const Outcome outcome =
+      run("curtain --seconds 0.1 --quiet --json --set step.dt=0.01 --set bodies[0].cloth.cells=[4,3] 2>/dev/null");
   ASSERT_EQ(outcome.code, 0);
   const YAML::Node json = YAML::Load(outcome.out);  // JSON is YAML
   EXPECT_NEAR(json["time"].as<double>(), 0.1, 1e-9);
@@ -108,7 +109,8 @@ TEST(Simulate, WritesTheSurfaceOfASoftBody) {
 
 TEST(Simulate, WritesFramesThatReadBackExactly) {
   // 17 significant digits give the same bits back: the last frame equals the same steps made here.
-  const SceneSpec spec = load_scene_file(find_scene("rope_between_grippers", default_scene_dir()));
+  const SceneSpec spec =
+      load_scene_file(find_scene("rope_between_grippers", default_scene_dir()), {{"step.dt", "0.01"}});
   const std::unique_ptr<World> world = build_world(spec);
   for (int k = 0; k < 10; ++k) ASSERT_TRUE(world->step().ok);
   const Snapshot expected = world->snapshot();
@@ -116,7 +118,8 @@ TEST(Simulate, WritesFramesThatReadBackExactly) {
     const std::string dir = testing::TempDir() + "frames_" + format;
     std::filesystem::remove_all(dir);
     const Outcome outcome =
-        run("rope_between_grippers --seconds 0.1 --every 0.05 --quiet --format " + format + " --out " + dir);
+        run("rope_between_grippers --set step.dt=0.01 --seconds 0.1 --every 0.05 --quiet --format " + format +
+            " --out " + dir);
     ASSERT_EQ(outcome.code, 0);
     EXPECT_FALSE(std::filesystem::exists(dir + "/rope_000003." + format)) << "frames at 0, 0.05 and 0.1 s";
     std::ifstream file(dir + "/rope_000002." + format);

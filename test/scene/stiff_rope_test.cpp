@@ -61,7 +61,8 @@ TEST(StiffRope, ByNameIsSolvedToItsToleranceByWhatIsChosenForIt) {
       const auto world = swinging_rope("solver: auto", "segments: 20, model: " + model + ", material: " + material);
       while (world->time() < 0.5) {
         ASSERT_TRUE(world->step().ok);
-        EXPECT_LT(world->snapshot().report.residual, 0.02) << model << ", " << material << ": " << world->settings().chosen;
+        EXPECT_LT(world->snapshot().report.residual, 0.02)
+            << model << ", " << material << ": " << world->settings().chosen;
       }
     }
   }
@@ -80,14 +81,14 @@ TEST(StiffRope, IsRecognisedAndOverruled) {
   const std::string cable = "segments: 20, material: steel_cable",
                     soft = "segments: 20, material: {youngs_modulus: 1e6}";
   const std::string cloth = "  - cloth: {name: c, cells: [4, 4]}\n";
-  EXPECT_EQ(solver_of(*swinging_rope("dt: 0.01", cable)), "banded");
-  EXPECT_EQ(solver_of(*swinging_rope("dt: 0.01", soft)), "banded") << "ropes alone";
-  EXPECT_EQ(solver_of(*swinging_rope("dt: 0.01", soft, cloth)), "banded") << "beside other bodies";
+  EXPECT_EQ(solver_of(*swinging_rope("solver: manual, dt: 0.01", cable)), "banded");
+  EXPECT_EQ(solver_of(*swinging_rope("solver: manual, dt: 0.01", soft)), "banded") << "ropes alone";
+  EXPECT_EQ(solver_of(*swinging_rope("solver: manual, dt: 0.01", soft, cloth)), "banded") << "beside other bodies";
   EXPECT_EQ(solver_of(*swinging_rope("dt: 0.01, linear_solver: cg", cable)), "conjugate gradient");
-  EXPECT_EQ(swinging_rope("dt: 0.01", cable)->settings().solver.newton_iterations, 100);
+  EXPECT_EQ(swinging_rope("solver: manual, dt: 0.01", cable)->settings().solver.newton_iterations, 100);
   EXPECT_EQ(swinging_rope("dt: 0.01, newton_iterations: 7", cable)->settings().solver.newton_iterations, 7);
-  EXPECT_EQ(swinging_rope("dt: 0.01", soft, cloth)->settings().solver.newton_iterations, 4);
-  EXPECT_EQ(swinging_rope("dt: 0.01", "segments: 20, material: {axial_stiffness: 5.2e5}")
+  EXPECT_EQ(swinging_rope("solver: manual, dt: 0.01", soft, cloth)->settings().solver.newton_iterations, 4);
+  EXPECT_EQ(swinging_rope("solver: manual, dt: 0.01", "segments: 20, material: {axial_stiffness: 5.2e5}")
                 ->settings()
                 .solver.newton_iterations,
             100)
@@ -97,9 +98,10 @@ TEST(StiffRope, IsRecognisedAndOverruled) {
 TEST(StiffRope, IsNotDraggedDownByABodyBeside) {
   // The same bits of the rope, to the tolerance of Newton's method, whether or not a sheet hangs far away.
   const std::string cable = "segments: 20, material: steel_cable";
-  const auto alone = swinging_rope("dt: 0.01", cable);
-  const auto beside = swinging_rope(
-      "dt: 0.01", cable, "  - cloth: {name: c, pose: {position: [5, 0, 1]}, cells: [8, 8], pins: [corner_0]}\n");
+  const auto alone = swinging_rope("solver: manual, dt: 0.01", cable);
+  const auto beside =
+      swinging_rope("solver: manual, dt: 0.01", cable,
+                    "  - cloth: {name: c, pose: {position: [5, 0, 1]}, cells: [8, 8], pins: [corner_0]}\n");
   EXPECT_LT(error_of_end(beside.get(), alone.get(), 50), 1e-4);
 }
 
