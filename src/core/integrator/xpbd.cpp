@@ -1,0 +1,38 @@
+// Extended position-based dynamics: the tension of one spring after the other [Macklin 2016].
+#include <limits>
+
+#include "deformable_sim/core/integrator/schemes.h"
+#include "dual_step.h"
+
+namespace deformable_sim {
+namespace {
+
+class Xpbd : public Integrator {
+ public:
+  explicit Xpbd(const SolverSettings& settings)
+      : step_("xpbd", SpringChains::Grouping::kSingly, settings.newton_iterations, settings.tolerance) {}
+
+  std::string name() const override { return "xpbd"; }
+  Needs needs() const override { return {false, true}; }
+  int order() const override { return 1; }
+  double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
+  void reset() override { step_.reset(); }
+
+  StepReport advance(double dt, Dynamics* d, State* s) override {
+    x_start_ = s->x;
+    v_start_ = s->v;
+    return step_.advance(dt, {dt, dt, &x_start_, &v_start_}, nullptr, d, s);
+  }
+
+ private:
+  DualStep<double> step_;
+  Nodes x_start_, v_start_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_xpbd(const SolverSettings& settings) {
+  return std::make_unique<Xpbd>(settings);
+}
+
+}  // namespace deformable_sim
