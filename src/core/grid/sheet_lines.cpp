@@ -15,6 +15,11 @@ int whole_registers(int count) {
   return (count + kMost - 1) / kMost * kMost;
 }
 
+template <class Real>
+void set_at(const Xyz<Real>& array, std::ptrdiff_t place, Real value) {
+  array.x[place] = array.y[place] = array.z[place] = value;
+}
+
 }  // namespace
 
 template <class Real>
@@ -73,8 +78,10 @@ void SheetLines<Real>::begin(const Nodes& y, const Nodes& base, const Eigen::Vec
   }
   set_weights(weight);
   if (held_.empty()) return;
-  plain_.pull.clear();
-  turned_.pull.clear();
+  for (const Held& held : held_) {
+    set_at(plain_.pull.data(), held.place, Real(0));
+    set_at(turned_.pull.data(), held.turned, Real(0));
+  }
 }
 
 /// Mostly those of the last step.
@@ -103,7 +110,6 @@ void SheetLines<Real>::turn(Layout* from, int rows, int cols, Layout* to) {
 template <class Real>
 void SheetLines<Real>::sweep(Last last) {
   const SheetShape<Real>& s = rows_.shape();
-  if (bends_) bend();
   if (s.shear_length > Real(0)) solve_diagonals(last);
   turn(&plain_, s.rows, s.cols, &turned_);
   if (s.has_flexion) {
@@ -115,6 +121,7 @@ void SheetLines<Real>::sweep(Last last) {
     solve({kWeftBend, 2, s.rows, s.cols, s.weft_bend_along, s.weft_bend_across, s.weft_bend_length}, &plain_, last);
   }
   solve({kWeft, 1, s.rows, s.cols, s.weft_along, s.weft_across, s.weft_length}, &plain_, last);
+  if (bends_) bend();
   fresh_ = false;
 }
 
@@ -130,15 +137,12 @@ void SheetLines<Real>::bend() {
     y = y_.data();
     kernels_.extrapolate(s, x, plain_.base.data(), static_cast<Real>(lag), y);
   }
-  kernels_.bending_force(s, y, plain_.weight.data(), wr);
-
   const double most = (1.0 + lag) * stiffest_ * largest_weight_;
   const double theta = 1.0 + 0.5 * most, delta = 0.5 * most;
   BendingStep<Real> step{
       bent_.data(), wr,     step_.data(), next_.data(), plain_.weight.data(), static_cast<Real>(1.0 + lag),
       Real(0),      Real(0)};
-  kernels_.scale(s, wr, static_cast<Real>(1.0 / theta), step.z);
-  kernels_.scale(s, wr, static_cast<Real>(1.0 / theta), step.step);
+  kernels_.bending_begin(s, y, static_cast<Real>(1.0 / theta), step);
   double rho = delta / theta;
   const int count = bending_steps(most);
   for (int k = 1; k < count; ++k) {

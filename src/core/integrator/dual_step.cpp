@@ -8,10 +8,9 @@
 namespace deformable_sim {
 
 template <class Real>
-StepReport DualStep<Real>::advance(double dt, const DualFormula& f, const State* local, Dynamics* d, State* s) {
-  if (!prepared_) prepare(*d);
-  find_weights(dt, f, *d, *s);
-  predict(dt, f, local != nullptr ? *local : *s, *d, *s);
+StepReport DualStep<Real>::advance(double dt, const DualFormula& f, const State& local, Dynamics* d, State* s) {
+  find_responses(dt, f, *d);
+  predict(dt, f, local, *d, *s);
   Bending* bending = terms_.stiffness.nonZeros() > 0 ? &bending_matrix(dt, f, *d) : nullptr;
   bent_before_ = false;
   chains_->begin(f.tau_v);
@@ -24,17 +23,25 @@ StepReport DualStep<Real>::advance(double dt, const DualFormula& f, const State*
     }
   }
   for (auto& sheet : sheets_) sheet->store(&work_.x);
-  finish(dt, f, d, s);
+  find_velocities(dt, f, *d, *s);
+  hold(f, d);
+  if (!d->contacts.empty()) {
+    impulses_.resolve(d->contacts, inverse_mass_, dt, 1.0, &work_);
+    for (size_t i = 0; i < d->contacts.size(); ++i) d->contacts[i].force = impulses_.impulse(i, d->contacts) / dt;
+  }
   StepReport report;
   report.newton_iterations = sweeps_;
   report.force_evaluations = 1;
-  report.residual = residual(*d, *s);
-  report.converged = s->finite() && report.residual <= tolerance_;
+  report.residual = residual(dt, f, *d, *s);
+  report.converged = work_.finite() && report.residual <= tolerance_;
+  std::swap(s->x, work_.x);
+  std::swap(s->v, work_.v);
+  s->time += dt;
   return report;
 }
 
 template <class Real>
-void DualStep<Real>::prepare(const Dynamics& d) {
+void DualStep<Real>::sort(const Dynamics& d) {
   prepared_ = true;
   const Eigen::Index n = d.mass->size();
   std::vector<const Energy*> in_rows;
@@ -48,8 +55,13 @@ void DualStep<Real>::prepare(const Dynamics& d) {
   terms_ = sort_terms(name_, d.energies, n, in_rows);
   chains_ = std::make_unique<SpringChains>(terms_.springs, n, grouping_);
   outside_.clear();
+  std::vector<const Energy*> masses;
   for (const Energy* energy : d.energies) {
-    if (std::find(in_rows.begin(), in_rows.end(), energy) == in_rows.end()) outside_.push_back(energy);
+    if (energy->mass_force() != nullptr) {
+      masses.push_back(energy);
+    } else if (std::find(in_rows.begin(), in_rows.end(), energy) == in_rows.end()) {
+      outside_.push_back(energy);
+    }
   }
   inverse_mass_ = d.mass->cwiseInverse();
   for (int node : d.kinematics.node) inverse_mass_[node] = 0.0;
@@ -59,14 +71,12 @@ void DualStep<Real>::prepare(const Dynamics& d) {
   }
   work_.x = work_.v = Nodes::Zero(3, n);
   weight_force_.setZero(3, n);
-  for (const Energy* energy : outside_) {
-    if (energy->mass_force() != nullptr) energy->add_force(work_, &weight_force_);  // angles of rods have none
-  }
-  near_.assign(static_cast<size_t>(n), 0);
+  for (const Energy* energy : masses) energy->add_force(work_, &weight_force_);  // angles of rods have none
+  near_.clear();
+  tau_v_ = 0.0;
   response_.setZero(n);
   pull_.setZero(3, n);
   force_.setZero(3, n);
-  acceleration_.setZero(3, n);
   held_bending_.setZero(3, static_cast<Eigen::Index>(d.kinematics.node.size()));
   if (!terms_.local.empty()) local_force_.setZero(3, n);
   if (terms_.stiffness.nonZeros() > 0) bent_ = solution_ = Nodes::Zero(3, n);
@@ -75,18 +85,21 @@ void DualStep<Real>::prepare(const Dynamics& d) {
 
 /// Nodes that a contact names follow implicit Euler: a formula that remembers throws a stopped node back.
 template <class Real>
-void DualStep<Real>::find_weights(double dt, const DualFormula& f, const Dynamics& d, const State& s) {
-  std::fill(near_.begin(), near_.end(), 0);
-  for (const ContactConstraint& c : d.contacts) {
-    for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) near_[static_cast<size_t>(c.node[k])] = 1;
-  }
+void DualStep<Real>::find_responses(double dt, const DualFormula& f, const Dynamics& d) {
   const double rate = terms_.everywhere.rate;
-  const double far = (1.0 / f.tau_a + rate) / f.tau_v, close = (1.0 / dt + rate) / dt;
-  for (Eigen::Index i = 0; i < s.x.cols(); ++i) {
-    const bool held = inverse_mass_[i] == 0.0;
-    const double inertia = (*d.mass)[i] * (near_[static_cast<size_t>(i)] != 0 ? close : far) + attached_[i];
-    response_[i] = held ? 0.0 : 1.0 / inertia;
+  const auto set = [&](Eigen::Index i, double tau_v, double tau_a) {
+    if (inverse_mass_[i] > 0.0) response_[i] = 1.0 / ((*d.mass)[i] * (1.0 / tau_a + rate) / tau_v + attached_[i]);
+  };
+  if (!near_.empty() || tau_v_ != f.tau_v || tau_a_ != f.tau_a) {
+    for (Eigen::Index i = 0; i < response_.size(); ++i) set(i, f.tau_v, f.tau_a);
+    tau_v_ = f.tau_v;
+    tau_a_ = f.tau_a;
   }
+  near_.clear();
+  for (const ContactConstraint& c : d.contacts) near_.insert(near_.end(), c.node.begin(), c.node.begin() + c.count);
+  std::sort(near_.begin(), near_.end());
+  near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
+  for (int node : near_) set(node, dt, dt);
 }
 
 /// Where nodes go without springs and bending.
@@ -94,24 +107,31 @@ template <class Real>
 void DualStep<Real>::predict(double dt, const DualFormula& f, const State& local, const Dynamics& d, const State& s) {
   const double rate = terms_.everywhere.rate;
   work_.time = s.time + dt;
+  // response m (1 / tau_a + rate) / tau_v = 1 but where a soft grasp pulls.
+  const double of_v = f.tau_v / (1.0 + rate * f.tau_a), of_force = f.tau_a * of_v;
+  work_.x = *f.x_base + of_v * *f.v_base;
+  work_.x.colwise() += of_force * terms_.everywhere.acceleration;
+  const auto put = [&](Eigen::Index i, double tau_v, double tau_a, const Nodes& x, const Nodes& v) {
+    const double inertia = (*d.mass)[i] / tau_v;
+    work_.x.col(i) =
+        response_[i] * (inertia * ((1.0 / tau_a + rate) * x.col(i) + tau_v / tau_a * v.col(i)) + weight_force_.col(i));
+  };
+  for (const TargetSprings* springs : terms_.targets) {
+    for (int node : springs->nodes()) put(node, f.tau_v, f.tau_a, *f.x_base, *f.v_base);
+  }
+  for (int node : near_) put(node, dt, dt, s.x, s.v);
+  for (const TargetSprings* springs : terms_.targets) {
+    for (size_t k = 0; k < springs->nodes().size(); ++k) {
+      const int node = springs->nodes()[k];
+      work_.x.col(node) +=
+          (response_[node] * springs->stiffness()) * springs->targets().col(static_cast<Eigen::Index>(k));
+    }
+  }
   if (!terms_.local.empty()) {
     local_force_.setZero();
     for (const Energy* energy : terms_.local) energy->add_force(local, &local_force_);
+    for (Eigen::Index i = 0; i < work_.x.cols(); ++i) work_.x.col(i) += response_[i] * local_force_.col(i);
   }
-  const auto place = [&](Eigen::Index i, double tau_v, double tau_a, const Nodes& x, const Nodes& v) {
-    const double m = (*d.mass)[i];
-    work_.x.col(i) = m / tau_v * ((1.0 / tau_a + rate) * x.col(i) + tau_v / tau_a * v.col(i)) + weight_force_.col(i);
-  };
-  for (Eigen::Index i = 0; i < s.x.cols(); ++i) {
-    near_[static_cast<size_t>(i)] != 0 ? place(i, dt, dt, s.x, s.v) : place(i, f.tau_v, f.tau_a, *f.x_base, *f.v_base);
-  }
-  if (!terms_.local.empty()) work_.x += local_force_;
-  for (const TargetSprings* springs : terms_.targets) {
-    for (size_t k = 0; k < springs->nodes().size(); ++k) {
-      work_.x.col(springs->nodes()[k]) += springs->stiffness() * springs->targets().col(static_cast<Eigen::Index>(k));
-    }
-  }
-  for (Eigen::Index i = 0; i < s.x.cols(); ++i) work_.x.col(i) *= response_[i];
   const Kinematics& k = d.kinematics;
   for (size_t i = 0; i < k.node.size(); ++i) {
     work_.x.col(k.node[i]) = k.target.col(static_cast<Eigen::Index>(i));
@@ -188,28 +208,19 @@ Vec3 DualStep<Real>::bending_force(Eigen::Index node, const Nodes& x, const Node
 }
 
 template <class Real>
-void DualStep<Real>::finish(double dt, const DualFormula& f, Dynamics* d, State* s) {
-  for (Eigen::Index i = 0; i < s->x.cols(); ++i) {
-    work_.v.col(i) = near_[static_cast<size_t>(i)] != 0 ? Vec3((work_.x.col(i) - s->x.col(i)) / dt)
-                                                        : Vec3((work_.x.col(i) - f.x_base->col(i)) / f.tau_v);
+void DualStep<Real>::find_velocities(double dt, const DualFormula& f, const Dynamics& d, const State& s) {
+  const double per_tau = 1.0 / f.tau_v;
+  work_.v = per_tau * (work_.x - *f.x_base);
+  for (int node : near_) work_.v.col(node) = (work_.x.col(node) - s.x.col(node)) / dt;
+  const Kinematics& k = d.kinematics;
+  for (size_t i = 0; i < k.node.size(); ++i) {
+    work_.v.col(k.node[i]) = (k.target.col(static_cast<Eigen::Index>(i)) - s.x.col(k.node[i])) / dt;
   }
-  hold(dt, f, d, *s);
-  if (!d->contacts.empty()) {
-    impulses_.resolve(d->contacts, inverse_mass_, dt, 1.0, &work_);
-    for (size_t i = 0; i < d->contacts.size(); ++i) d->contacts[i].force = impulses_.impulse(i, d->contacts) / dt;
-  }
-  for (Eigen::Index i = 0; i < s->x.cols(); ++i) {
-    acceleration_.col(i) = near_[static_cast<size_t>(i)] != 0 ? Vec3((work_.v.col(i) - s->v.col(i)) / dt)
-                                                              : Vec3((work_.v.col(i) - f.v_base->col(i)) / f.tau_a);
-  }
-  std::swap(s->x, work_.x);
-  std::swap(s->v, work_.v);
-  s->time += dt;
 }
 
-/// Velocities and reactions of held nodes.
+/// Forces of holders.
 template <class Real>
-void DualStep<Real>::hold(double dt, const DualFormula& f, Dynamics* d, const State& s) {
+void DualStep<Real>::hold(const DualFormula& f, Dynamics* d) {
   Kinematics& k = d->kinematics;
   const auto count = static_cast<Eigen::Index>(k.node.size());
   held_force_.setZero(3, count);
@@ -219,8 +230,7 @@ void DualStep<Real>::hold(double dt, const DualFormula& f, Dynamics* d, const St
   for (Eigen::Index i = 0; i < count; ++i) {
     const int node = k.node[static_cast<size_t>(i)];
     const double m = (*d->mass)[node];
-    const Vec3 v = (k.target.col(i) - s.x.col(node)) / dt;
-    work_.v.col(node) = v;
+    const Vec3 v = work_.v.col(node);
     Vec3 force = held_force_.col(i) + pull_.col(node) + weight_force_.col(node) - m * terms_.everywhere.rate * v;
     if (!terms_.local.empty()) force += local_force_.col(node);
     k.reaction.col(i) = m / f.tau_a * (v - f.v_base->col(node)) - force;
@@ -238,24 +248,34 @@ void DualStep<Real>::hold(double dt, const DualFormula& f, Dynamics* d, const St
 
 /// RMS of what is left of the equations of motion at the free nodes, with the forces of the terms at the end.
 template <class Real>
-double DualStep<Real>::residual(const Dynamics& d, const State& s) {
+double DualStep<Real>::residual(double dt, const DualFormula& f, const Dynamics& d, const State& start) {
   force_.setZero();
-  for (const Energy* energy : outside_) energy->add_force(s, &force_);
+  for (const Energy* energy : outside_) energy->add_force(work_, &force_);
   for (auto& sheet : sheets_) {
-    if (!d.contacts.empty()) sheet->move_to(s.x);
+    if (!near_.empty()) sheet->move_to(work_.x);
     sheet->add_forces(&force_);
   }
   for (const ContactConstraint& c : d.contacts) {
     for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) force_.col(c.node[k]) += c.weight[k] * c.force;
   }
+  // The acceleration of nodes near contacts is another: what is added here makes up for it.
+  const double per_tau = 1.0 / f.tau_a;
+  for (int node : near_) {
+    const Vec3 v = work_.v.col(node);
+    force_.col(node) += (*d.mass)[node] * (per_tau * (v - f.v_base->col(node)) - (v - start.v.col(node)) / dt);
+  }
+  const Vec3 g = terms_.everywhere.acceleration;
+  const double rate = terms_.everywhere.rate;
   double sum = 0.0;
-  int count = 0;
-  for (Eigen::Index i = 0; i < s.x.cols(); ++i) {
-    if (inverse_mass_[i] == 0.0) continue;
-    sum += (inverse_mass_[i] * force_.col(i) - acceleration_.col(i)).squaredNorm();
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < work_.x.cols(); ++i) {
+    const double w = inverse_mass_[i];
+    if (w == 0.0) continue;
+    const Vec3 v = work_.v.col(i);
+    sum += (w * force_.col(i) + g - rate * v - per_tau * (v - f.v_base->col(i))).squaredNorm();
     ++count;
   }
-  return count > 0 ? std::sqrt(sum / count) : 0.0;
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
 }
 
 template class DualStep<float>;

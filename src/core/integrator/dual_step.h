@@ -25,8 +25,16 @@ class DualStep {
       : name_(std::move(name)), grouping_(grouping), sweeps_(sweeps), tolerance_(tolerance) {}
 
   void reset() { prepared_ = false; }
-  /// local: the state that forces on single nodes and drag are taken at; null: the start.
-  StepReport advance(double dt, const DualFormula& formula, const State* local, Dynamics* d, State* s);
+  /// To be called before each step.
+  void prepare(const Dynamics& d) {
+    if (!prepared_) sort(d);
+  }
+  /// Whether there are forces on single nodes or drag.
+  bool has_local_forces() const { return !terms_.local.empty(); }
+  /// local: the state those are taken at. The formula may refer to x and v of `s`.
+  StepReport advance(double dt, const DualFormula& formula, const State& local, Dynamics* d, State* s);
+  /// x and v before the last step; may be swapped away.
+  State& start() { return work_; }
 
  private:
   struct Bending {
@@ -35,15 +43,15 @@ class DualStep {
     Eigen::VectorXd inertia;  // N/m: what is on its diagonal beside the terms; 1 at held nodes
   };
 
-  void prepare(const Dynamics& d);
-  void find_weights(double dt, const DualFormula& f, const Dynamics& d, const State& s);
+  void sort(const Dynamics& d);
+  void find_responses(double dt, const DualFormula& f, const Dynamics& d);
   void predict(double dt, const DualFormula& f, const State& local, const Dynamics& d, const State& s);
   Bending& bending_matrix(double dt, const DualFormula& f, const Dynamics& d);
   void bend(const DualFormula& f, Bending* matrix, const Kinematics& kinematics);
   Vec3 bending_force(Eigen::Index node, const Nodes& x, const Nodes& base, double per_tau) const;
-  void finish(double dt, const DualFormula& f, Dynamics* d, State* s);
-  void hold(double dt, const DualFormula& f, Dynamics* d, const State& s);
-  double residual(const Dynamics& d, const State& s);
+  void find_velocities(double dt, const DualFormula& f, const Dynamics& d, const State& s);
+  void hold(const DualFormula& f, Dynamics* d);
+  double residual(double dt, const DualFormula& f, const Dynamics& d, const State& start);
 
   std::string name_;
   SpringChains::Grouping grouping_;
@@ -52,15 +60,16 @@ class DualStep {
   bool prepared_ = false;
 
   KnownTerms terms_;
-  std::vector<const Energy*> outside_;  // all terms but those of sheets in rows
+  std::vector<const Energy*> outside_;  // terms that are neither in rows nor proportional to mass
   std::vector<std::unique_ptr<SheetLines<Real>>> sheets_;
   std::unique_ptr<SpringChains> chains_;
   Nodes weight_force_;                       // N, of everywhere_ without its drag
   Eigen::VectorXd attached_, inverse_mass_;  // N/m of soft grasps; 0 at held nodes
-  std::vector<char> near_;                   // by node: named by a contact
+  std::vector<int> near_;                    // nodes named by a contact, ascending
   Eigen::VectorXd response_;                 // m/N, 0 at held nodes
+  double tau_v_ = 0.0, tau_a_ = 0.0;         // of response_, but for near_
   State work_;
-  Nodes local_force_, pull_, held_force_, held_bending_, force_, acceleration_;
+  Nodes local_force_, pull_, held_force_, held_bending_, force_;
   // Quadratic terms outside sheets: (M / (tau_v tau_a) + K + D / tau_v) z = force, by whether there are contacts.
   Bending bending_[2];
   Nodes bent_, solution_;

@@ -25,14 +25,13 @@ class LineDual : public Integrator {
   void reset() override { step_.reset(); }
 
   StepReport advance(double dt, Dynamics* d, State* s) override {
-    x_start_ = s->x;
-    v_start_ = s->v;
+    step_.prepare(*d);
     const bool known = s->x_before.cols() == s->x.cols() && s->dt_before > 0.0 && dt <= kMostGrowth * s->dt_before;
     const DualFormula formula = known ? two_step(dt, *s) : first_step(dt, *s);
-    extrapolate(dt, known, *s);
-    const StepReport report = step_.advance(dt, formula, &ahead_, d, s);
-    s->x_before = x_start_;
-    s->v_before = v_start_;
+    if (step_.has_local_forces()) extrapolate(dt, known, *s);
+    const StepReport report = step_.advance(dt, formula, ahead_, d, s);
+    std::swap(s->x_before, step_.start().x);
+    std::swap(s->v_before, step_.start().v);
     s->dt_before = dt;
     forget_impacts(d->contacts, s);
     return report;
@@ -75,7 +74,7 @@ class LineDual : public Integrator {
   }
 
   DualStep<Real> step_;
-  Nodes x_start_, v_start_, x_base_, v_base_;
+  Nodes x_base_, v_base_;
   State ahead_;
 };
 

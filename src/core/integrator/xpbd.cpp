@@ -19,14 +19,12 @@ class Xpbd : public Integrator {
   void reset() override { step_.reset(); }
 
   StepReport advance(double dt, Dynamics* d, State* s) override {
-    x_start_ = s->x;
-    v_start_ = s->v;
-    return step_.advance(dt, {dt, dt, &x_start_, &v_start_}, nullptr, d, s);
+    step_.prepare(*d);
+    return step_.advance(dt, {dt, dt, &s->x, &s->v}, *s, d, s);
   }
 
  private:
   DualStep<double> step_;
-  Nodes x_start_, v_start_;
 };
 
 }  // namespace

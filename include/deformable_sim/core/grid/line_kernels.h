@@ -55,13 +55,11 @@ struct LineKernels {
                     std::ptrdiff_t to_stride);
   /// y = x + lag (x - base).
   void (*extrapolate)(const SheetShape<Real>&, Xyz<Real> x, Xyz<Real> base, Real lag, Xyz<Real> y);
-  /// wr = -weight K y
-  void (*bending_force)(const SheetShape<Real>&, Xyz<Real> y, const Real* weight, Xyz<Real> wr);
+  /// wr = -weight K y, z = step = gain wr
+  void (*bending_begin)(const SheetShape<Real>&, Xyz<Real> y, Real gain, const BendingStep<Real>&);
   void (*bending_step)(const SheetShape<Real>&, const BendingStep<Real>&);
   /// x += factor z
   void (*add)(const SheetShape<Real>&, Xyz<Real> z, Real factor, Xyz<Real> x);
-  /// x = factor z
-  void (*scale)(const SheetShape<Real>&, Xyz<Real> z, Real factor, Xyz<Real> x);
   /// v = per_tau (x - base)
   void (*rate)(const SheetShape<Real>&, Xyz<Real> x, Xyz<Real> base, Real per_tau, Xyz<Real> v);
 };
