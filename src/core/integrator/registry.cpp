@@ -23,6 +23,7 @@ constexpr Entry kEntries[] = {
     {"substepped_verlet", [](const SolverSettings& settings) { return make_substepped_verlet(settings); }},
     {"line_dual", [](const SolverSettings& settings) { return make_line_dual(settings); }},
     {"xpbd", [](const SolverSettings& settings) { return make_xpbd(settings); }},
+    {"projective_dynamics", [](const SolverSettings& settings) { return make_projective_dynamics(settings); }},
 };
 
 }  // namespace
