@@ -55,11 +55,16 @@ Table<AirSpec> air_table() {
 }
 
 Table<StepSpec> step_table() {
-  Table<StepSpec> t("step", "Time stepping. All keys from linear_solver on are for implicit schemes.");
+  Table<StepSpec> t(
+      "step",
+      "Time stepping. All keys from linear_solver on are for implicit schemes; line_dual, xpbd and projective_dynamics "
+      "read newton_iterations (sweeps) and tolerance.");
   t.number("dt", "s", &StepSpec::dt, between(1e-6, 0.1), "One step of simulated time.");
   t.choice("integrator", &StepSpec::integrator, integrator_names(), "Time scheme.");
   t.add({"precision", "word", "", "double", "double, single",
-         "Of cloth on grids with substepped_verlet: single costs half and has an error of about 1e-4 of its own."},
+         "Of cloth on grids with substepped_verlet and line_dual: single costs half and has an error of about 1e-4 of "
+         "its "
+         "own."},
         [](const YamlValue& v, const std::string& path, StepSpec* out) {
           const bool single = read_choice(v, path, {"double", "single"}) == "single";
           out->solver.precision = single ? SolverSettings::Precision::kSingle : SolverSettings::Precision::kDouble;
@@ -85,7 +90,7 @@ Table<StepSpec> step_table() {
         out->solver_given = true;
       });
   t.add({"newton_iterations", "integer", "", "100 with a stiff rope, 20 with ropes alone, else 4", "1 ... 1000",
-         "At most, per step."},
+         "At most, per step. Of line_dual and xpbd: sweeps, all of them made."},
         [](const YamlValue& v, const std::string& path, StepSpec* out) {
           out->solver.newton_iterations = read_integer(v, path, 1, 1000);
           out->iterations_given = true;

@@ -116,6 +116,8 @@ SolverSettings settings_of(const Case& c, const Configuration& configuration, do
     settings.linear_tolerance = configuration.linear_tolerance;
     settings.linear_iterations = configuration.linear_iterations;
   }
+  settings.precision =
+      configuration.precision == "single" ? SolverSettings::Precision::kSingle : SolverSettings::Precision::kDouble;
   settings.newton_iterations = configuration.is_converged() ? kConvergedIterations : configuration.newton_iterations;
   if (configuration.is_converged()) settings.tolerance = tight;
   return settings;
