@@ -73,7 +73,9 @@ double read_accuracy(const YamlValue& v, const std::string& path) {
 Table<StepSpec> step_table() {
   Table<StepSpec> t("step",
                     "Time stepping. Without any key but dt, accuracy and budget, the cheapest solver that is accurate "
-                    "enough is chosen (auto). Keys from linear_solver on are for implicit schemes.");
+                    "enough is chosen (auto). Keys from linear_solver on are for implicit schemes; line_dual, xpbd and "
+                    "projective_dynamics "
+                    "read newton_iterations (sweeps) and tolerance.");
   t.add({"solver", "word", "", "auto unless a key below names a part of it", "auto, manual",
          "auto: from what was measured of scenes like this one (config/solvers.yaml); describe says what and why. "
          "manual: as the keys below say, or their defaults."},
@@ -93,7 +95,9 @@ Table<StepSpec> step_table() {
         });
   t.choice("integrator", &StepSpec::integrator, integrator_names(), "Time scheme.");
   t.add({"precision", "word", "", "double", "double, single",
-         "Of cloth on grids with substepped_verlet: single costs half and has an error of about 1e-4 of its own."},
+         "Of cloth on grids with substepped_verlet and line_dual: single costs half and has an error of about 1e-4 of "
+         "its "
+         "own."},
         [](const YamlValue& v, const std::string& path, StepSpec* out) {
           const bool single = read_choice(v, path, {"double", "single"}) == "single";
           out->solver.precision = single ? SolverSettings::Precision::kSingle : SolverSettings::Precision::kDouble;
@@ -119,7 +123,7 @@ Table<StepSpec> step_table() {
         out->solver_given = true;
       });
   t.add({"newton_iterations", "integer", "", "100 with a stiff rope, 20 with ropes alone, else 4", "1 ... 1000",
-         "At most, per step."},
+         "At most, per step. Of line_dual and xpbd: sweeps, all of them made."},
         [](const YamlValue& v, const std::string& path, StepSpec* out) {
           out->solver.newton_iterations = read_integer(v, path, 1, 1000);
           out->iterations_given = true;

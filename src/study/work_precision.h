@@ -21,7 +21,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 struct Configuration {
   std::string integrator;
   std::string linear_solver;         // empty: an explicit scheme
-  int newton_iterations = 0;         // at most, per stage; kConverged; 0 = explicit
+  int newton_iterations = 0;         // at most, per stage; kConverged; sweeps; 0 = explicit
   double linear_tolerance = 0.0;     // cg, multigrid
   int linear_iterations = 0;         // cg, multigrid: at most; 0 = a factorisation
   std::string precision = "double";  // of sheets on grids, substepped_verlet

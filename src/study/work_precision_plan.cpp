@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deformable_sim/core/error.h"
+#include "deformable_sim/core/integrator/known_terms.h"
 #include "work_precision_run.h"
 
 namespace deformable_sim::work_precision {
@@ -112,6 +114,37 @@ std::vector<Configuration> explicit_configurations(const Case& c, const std::str
   return all;
 }
 
+/// Of the schemes that know springs and quadratic bending only.
+std::vector<Configuration> known_terms_configurations(const Case& c, const std::string& integrator,
+                                                      study::Effort effort) {
+  std::vector<Configuration> all;
+  const bool quick = effort == study::Effort::kQuick, lines = integrator == "line_dual";
+  const bool global = integrator == "projective_dynamics";
+  Configuration k;
+  k.integrator = integrator;
+  k.linear_solver = lines ? "lines" : global ? "constant" : "springs";
+  std::vector<int> iterations = global ? std::vector<int>{4, 20} : std::vector<int>{1, 2, 4};
+  if (quick) iterations.resize(1);
+  for (const int n : iterations) {
+    k.newton_iterations = n;
+    k.precision = "double";
+    all.push_back(k);
+    if (!lines || quick || c.features.kind != "cloth") continue;
+    k.precision = "single";
+    all.push_back(k);
+  }
+  return all;
+}
+
+bool takes(const Case& c, const std::string& integrator) {
+  try {
+    c.make(1e-3, integrator, c.solver);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
 bool diverged(const Row& row) {
   return row.status == Status::kDiverged;
 }
@@ -141,7 +174,8 @@ bool at_most_as_dear(const Configuration& a, const Configuration& b) {
 UsableSteps usable_steps(const Case& c) {
   UsableSteps usable;
   for (const std::string& name : integrator_names()) {
-    if (!make_integrator(name, {})->needs().jacobian) usable[name] = usable_step(c, name);
+    if (!make_integrator(name, {})->needs().jacobian && !takes_known_terms_only(name))
+      usable[name] = usable_step(c, name);
   }
   return usable;
 }
@@ -149,6 +183,13 @@ UsableSteps usable_steps(const Case& c) {
 std::vector<Family> plan(const Case& c, const UsableSteps& usable, study::Effort effort) {
   std::vector<Family> families;
   for (const std::string& name : integrator_names()) {
+    if (takes_known_terms_only(name)) {
+      if (!takes(c, name)) continue;
+      for (const Configuration& k : known_terms_configurations(c, name, effort)) {
+        families.push_back({k, rate_ladder(c.quarter(), effort)});
+      }
+      continue;
+    }
     const auto step = usable.find(name);
     if (step != usable.end()) {
       for (const Configuration& k : explicit_configurations(c, name, effort)) {

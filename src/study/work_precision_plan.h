@@ -22,7 +22,7 @@ using UsableSteps = std::map<std::string, double>;
 UsableSteps usable_steps(const Case& c);
 
 /// Every integrator with every linear solver, and with 1, 2, 4 and as many Newton iterations as convergence takes.
-/// Quick: 1 and converged, and fewer steps.
+/// Quick: 1 and converged, and fewer steps. Schemes that refuse the scene are left out.
 std::vector<Family> plan(const Case& c, const UsableSteps& usable, study::Effort effort);
 
 /// Is it what the solver's part of others' errors is measured against?

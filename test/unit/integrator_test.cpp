@@ -20,8 +20,9 @@ INSTANTIATE_TEST_SUITE_P(Registry, EveryScheme, testing::ValuesIn(integrator_nam
 TEST_P(EveryScheme, AnswersToItsName) {
   EXPECT_EQ(scheme()->name(), GetParam());
   EXPECT_GE(scheme()->order(), 1);
-  // Who solves with a Jacobian or cuts the step by itself has no step limit, and only they.
-  const bool free = scheme()->needs().jacobian || GetParam() == "substepped_verlet";
+  // Who solves with a Jacobian, for tensions, or cuts the step by itself has no step limit, and only they.
+  const bool free =
+      scheme()->needs().jacobian || GetParam() == "substepped_verlet" || takes_known_terms_only(GetParam());
   EXPECT_EQ(free, std::isinf(scheme()->stability_limit()));
 }
 
@@ -111,7 +112,8 @@ TEST(MakeIntegrator, RefusesAnUnknownNameWithTheAllowedOnes) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what())
                   .find("explicit_euler, symplectic_euler, velocity_verlet, rk4, implicit_euler, "
-                        "linear_implicit_euler, implicit_midpoint, bdf2, tr_bdf2, substepped_verlet"),
+                        "linear_implicit_euler, implicit_midpoint, bdf2, tr_bdf2, substepped_verlet, line_dual, "
+                        "xpbd, projective_dynamics"),
               std::string::npos);
   }
 }

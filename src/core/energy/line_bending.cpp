@@ -2,6 +2,7 @@
 #include <map>
 #include <utility>
 
+#include "deformable_sim/core/energy/quadratic_term.h"
 #include "deformable_sim/core/energy/terms.h"
 #include "deformable_sim/core/error.h"
 
@@ -9,7 +10,7 @@ namespace deformable_sim {
 namespace {
 
 /// Quadratic in the positions: the Jacobian is constant and its blocks are multiples of the identity.
-class LineBending : public Energy {
+class LineBending : public Energy, public QuadraticTerm {
  public:
   struct Joint {
     std::array<int, 3> node;
@@ -55,6 +56,13 @@ class LineBending : public Energy {
     const double scale = dx + damping_ * dv;
     for (size_t k = 0; k < entries_.size(); ++k) {
       a->block(slots_[k]).diagonal().array() += scale * entries_[k].weight;
+    }
+  }
+  void add_entries(std::vector<Eigen::Triplet<double>>* stiffness,
+                   std::vector<Eigen::Triplet<double>>* damping) const override {
+    for (const Entry& e : entries_) {
+      stiffness->emplace_back(e.pair[0], e.pair[1], e.weight);
+      if (damping_ > 0.0) damping->emplace_back(e.pair[0], e.pair[1], damping_ * e.weight);
     }
   }
 

@@ -2,6 +2,7 @@
 #if defined(__AVX2__)
 #include <immintrin.h>
 
+#include "deformable_sim/core/grid/line_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
 
 namespace deformable_sim {
@@ -34,4 +35,6 @@ static inline Double4 inverse_root(Double4 a) {
 #include "stage_kernels.inc"
 
 #include "coarse_kernels.inc"
+
+#include "line_kernels.inc"
 #endif

@@ -2,6 +2,7 @@
 #if defined(__AVX512F__)
 #include <immintrin.h>
 
+#include "deformable_sim/core/grid/line_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
 
 namespace deformable_sim {
@@ -37,4 +38,6 @@ static inline Double8 inverse_root(Double8 a) {
 #include "stage_kernels.inc"
 
 #include "coarse_kernels.inc"
+
+#include "line_kernels.inc"
 #endif

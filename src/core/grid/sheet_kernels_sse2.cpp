@@ -5,6 +5,7 @@
 #include <emmintrin.h>
 #endif
 
+#include "deformable_sim/core/grid/line_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
 
 namespace deformable_sim {
@@ -46,3 +47,5 @@ static inline Double2 inverse_root(Double2 a) {
 #include "stage_kernels.inc"
 
 #include "coarse_kernels.inc"
+
+#include "line_kernels.inc"

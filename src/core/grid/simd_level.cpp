@@ -2,15 +2,18 @@
 #include <cstdlib>
 #include <string>
 
+#include "deformable_sim/core/grid/line_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
 
 namespace deformable_sim {
 
-#define DEFORMABLE_SIM_KERNELS(level)          \
-  namespace level {                            \
-  extern const SheetKernels<float> kernels_f;  \
-  extern const SheetKernels<double> kernels_d; \
-  extern const StageKernels stage_kernels;     \
+#define DEFORMABLE_SIM_KERNELS(level)              \
+  namespace level {                                \
+  extern const SheetKernels<float> kernels_f;      \
+  extern const SheetKernels<double> kernels_d;     \
+  extern const StageKernels stage_kernels;         \
+  extern const LineKernels<float> line_kernels_f;  \
+  extern const LineKernels<double> line_kernels_d; \
   }
 DEFORMABLE_SIM_KERNELS(simd_sse2)
 #if defined(__x86_64__)
@@ -66,7 +69,21 @@ const StageKernels& stage_kernels(SimdLevel level) {
   if (level == SimdLevel::kAvx512) return simd_avx512::stage_kernels;
   return level == SimdLevel::kAvx2 ? simd_avx2::stage_kernels : simd_sse2::stage_kernels;
 }
+const LineKernels<float>& line_kernels(SimdLevel level, float) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::line_kernels_f;
+  return level == SimdLevel::kAvx2 ? simd_avx2::line_kernels_f : simd_sse2::line_kernels_f;
+}
+const LineKernels<double>& line_kernels(SimdLevel level, double) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::line_kernels_d;
+  return level == SimdLevel::kAvx2 ? simd_avx2::line_kernels_d : simd_sse2::line_kernels_d;
+}
 #else
+const LineKernels<float>& line_kernels(SimdLevel, float) {
+  return simd_sse2::line_kernels_f;
+}
+const LineKernels<double>& line_kernels(SimdLevel, double) {
+  return simd_sse2::line_kernels_d;
+}
 const StageKernels& stage_kernels(SimdLevel) {
   return simd_sse2::stage_kernels;
 }

@@ -21,6 +21,9 @@ constexpr Entry kEntries[] = {
     {"bdf2", [](const SolverSettings& settings) { return make_bdf2(settings); }},
     {"tr_bdf2", [](const SolverSettings& settings) { return make_tr_bdf2(settings); }},
     {"substepped_verlet", [](const SolverSettings& settings) { return make_substepped_verlet(settings); }},
+    {"line_dual", [](const SolverSettings& settings) { return make_line_dual(settings); }},
+    {"xpbd", [](const SolverSettings& settings) { return make_xpbd(settings); }},
+    {"projective_dynamics", [](const SolverSettings& settings) { return make_projective_dynamics(settings); }},
 };
 
 }  // namespace

@@ -69,4 +69,26 @@ std::unique_ptr<Integrator> make_bdf2(const SolverSettings& settings);
 /// Not good at: cost; a step that is rough rather than smooth gains nothing over two of implicit Euler.
 std::unique_ptr<Integrator> make_tr_bdf2(const SolverSettings& settings);
 
+/// Tensions of springs as unknowns (XPBD), in the formula of BDF2: warp, weft and diagonal lines of sheets on grids,
+/// and chains of springs elsewhere, are each solved directly, `newton_iterations` sweeps a step; quadratic bending
+/// implicitly, drag per mass and soft grasps exactly, other forces on nodes at an extrapolated state. Second order, no
+/// step limit; BDF2's damping. Cost and error hardly depend on the stiffness of springs.
+/// Not good at: rest. What gravity does in a step is undone line by line, once a sweep, so that a hanging sheet is
+/// stretched too far or too little by an amount that shrinks with the square of the step (doc/theory/integrators.md
+/// has figures): StepReport::residual says so. Warm tensions would blow up. Refuses finite elements, rods, hinges.
+std::unique_ptr<Integrator> make_line_dual(const SolverSettings& settings);
+
+/// Extended position-based dynamics [Macklin 2016]: as line_dual with every spring for itself, in the formula of
+/// implicit Euler. First order, no step limit. A competitor of the study, not a recommendation: the cheapest sweep to
+/// write down. Not good at: meshes beyond some twenty nodes a side, across which a sweep carries nothing; rest, as
+/// line_dual, and worse; keeping motion alive.
+std::unique_ptr<Integrator> make_xpbd(const SolverSettings& settings);
+
+/// Projective dynamics [Bouaziz 2014]: implicit Euler by x += A^-1 r, A one constant matrix that is factorised once for
+/// a step and a set of held nodes, r the unbalanced force, from the positions at the start of the step,
+/// `newton_iterations` times or to the tolerance. First order, no step limit; at rest exact. A competitor of the study.
+/// Not good at: motion of what is stiff, which a few iterations freeze in mid-air without a sign but
+/// StepReport::residual; steps of changing length, a factorisation each; large meshes, whose factors fill up.
+std::unique_ptr<Integrator> make_projective_dynamics(const SolverSettings& settings);
+
 }  // namespace deformable_sim

@@ -1,0 +1,96 @@
+#include "deformable_sim/core/integrator/known_terms.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "deformable_sim/core/element/line_drag.h"
+#include "deformable_sim/core/element/quadratic_link.h"
+#include "deformable_sim/core/element/sheet_drag.h"
+#include "deformable_sim/core/element/spring.h"
+#include "deformable_sim/core/energy/element_energy.h"
+#include "deformable_sim/core/energy/quadratic_term.h"
+#include "deformable_sim/core/error.h"
+
+namespace deformable_sim {
+namespace {
+
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+void add_links(const ElementEnergy<QuadraticLink>& links, Entries* stiffness, Entries* damping) {
+  const auto add = [](int a, int b, double weight, Entries* to) {
+    to->emplace_back(a, a, weight);
+    to->emplace_back(b, b, weight);
+    to->emplace_back(a, b, -weight);
+    to->emplace_back(b, a, -weight);
+  };
+  for (const auto& e : links.elements()) {
+    add(e.node[0], e.node[1], e.rest.weight, stiffness);
+    if (e.rest.damping != 0.0) add(e.node[0], e.node[1], e.rest.damping, damping);
+  }
+}
+
+bool couples_nothing(const Energy& energy) {
+  std::vector<std::array<int, 2>> pairs;
+  energy.add_pattern(&pairs);
+  return pairs.empty();
+}
+
+bool is_drag(const Energy& energy) {
+  return dynamic_cast<const ElementEnergy<SheetDrag>*>(&energy) != nullptr ||
+         dynamic_cast<const ElementEnergy<LineDrag>*>(&energy) != nullptr;
+}
+
+}  // namespace
+
+KnownTerms sort_terms(const std::string& integrator, const std::vector<const Energy*>& energies, Eigen::Index nodes,
+                      const std::vector<const Energy*>& without) {
+  KnownTerms known;
+  Entries stiffness, damping;
+  int term = 0;
+  for (const Energy* energy : energies) {
+    if (std::find(without.begin(), without.end(), energy) != without.end()) continue;
+    if (const MassForce* force = energy->mass_force()) {
+      known.everywhere.acceleration += force->acceleration;
+      known.everywhere.rate += force->rate;
+    } else if (const auto* springs = dynamic_cast<const ElementEnergy<Spring>*>(energy)) {
+      for (const auto& e : springs->elements()) {
+        known.springs.push_back({e.node[0], e.node[1], e.rest.length, e.rest.stiffness, e.rest.damping, term});
+      }
+      ++term;
+    } else if (const auto* links = dynamic_cast<const ElementEnergy<QuadraticLink>*>(energy)) {
+      add_links(*links, &stiffness, &damping);
+    } else if (const auto* quadratic = dynamic_cast<const QuadraticTerm*>(energy)) {
+      quadratic->add_entries(&stiffness, &damping);
+    } else if (const auto* targets = dynamic_cast<const TargetSprings*>(energy)) {
+      known.targets.push_back(targets);
+    } else if (is_drag(*energy) || couples_nothing(*energy)) {
+      known.local.push_back(energy);
+    } else {
+      throw InputError("integrator " + integrator + " cannot take the term '" + energy->name() +
+                           "': it knows springs, quadratic bending, and forces on single nodes; use implicit_euler or "
+                           "bdf2",
+                       Code::kUnavailable);
+    }
+  }
+  if (nodes > 0 && !stiffness.empty()) {
+    known.stiffness.resize(nodes, nodes);
+    known.stiffness.setFromTriplets(stiffness.begin(), stiffness.end());
+  }
+  if (nodes > 0 && !damping.empty()) {
+    known.damping.resize(nodes, nodes);
+    known.damping.setFromTriplets(damping.begin(), damping.end());
+  }
+  return known;
+}
+
+void refuse_unknown_terms(const std::string& integrator, const std::vector<std::unique_ptr<Energy>>& energies) {
+  std::vector<const Energy*> terms;
+  for (const auto& energy : energies) terms.push_back(energy.get());
+  sort_terms(integrator, terms, 0, {});
+}
+
+bool takes_known_terms_only(const std::string& integrator) {
+  return integrator == "line_dual" || integrator == "xpbd" || integrator == "projective_dynamics";
+}
+
+}  // namespace deformable_sim
