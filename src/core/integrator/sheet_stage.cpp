@@ -78,4 +78,8 @@ std::unique_ptr<StageSolver> make_stage_solver(const SolverSettings& settings) {
   return std::make_unique<ImplicitStage>(settings);
 }
 
+Needs stage_needs(const SolverSettings& settings) {
+  return {true, false, settings.linear == SolverSettings::Linear::kMultigrid};
+}
+
 }  // namespace deformable_sim

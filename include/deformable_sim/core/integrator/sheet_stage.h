@@ -11,10 +11,11 @@ namespace deformable_sim {
 
 /// Solves the sheets one by one (SheetSolve). Where there is more than they know, that is nodes of no sheet, a
 /// consistent mass matrix, or terms other than weight, mass damping, soft grasps and strain limits, all is left to an
-/// ImplicitStage with conjugate gradients.
+/// ImplicitStage with a MultigridSolver.
 class SheetStage : public StageSolver {
  public:
-  explicit SheetStage(const SolverSettings& settings) : settings_(settings), generic_(settings) {}
+  explicit SheetStage(const SolverSettings& settings)
+      : settings_(settings), generic_(settings, ImplicitStage::Forces::kNonlinear, StageMatrix::Links::kApart) {}
 
   void reset() override;
   StepReport solve(const StageEquation& equation, const State& start, const Dynamics& d) override;

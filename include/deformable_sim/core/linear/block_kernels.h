@@ -1,0 +1,54 @@
+// The loops of sparse products and of conjugate gradients, once for each instruction set.
+#pragma once
+
+#include "deformable_sim/core/grid/sheet_kernels.h"
+
+namespace deformable_sim {
+
+/// Compressed rows of 3 x 3 blocks: nine floats a block, by columns; three floats follow the last one.
+struct BlockRows {
+  int rows;
+  const int* start;
+  const int* column;
+  const float* block;
+};
+
+/// A scalar matrix by compressed rows, off-diagonal entries k_ij and a diagonal of its own.
+template <class Real>
+struct LinkRows {
+  int rows;
+  const int* start;
+  const int* column;
+  const Real* value;
+  const Real* diagonal;
+};
+
+/// Nodes are x, y, z and a fourth float that stays 0, unless it is said otherwise.
+///
+/// Not good at: results that are the same to the last bit at all levels.
+struct BlockKernels {
+  /// f += K y, K = k_ij - diagonal; y has four doubles a node, f three.
+  void (*add_links)(const LinkRows<double>& k, const double* y, double* f);
+  /// z = D r, D nine floats a node as in BlockRows.
+  void (*sweep)(int n, const float* d, const float* r, float* z);
+  /// t = r - A z.
+  void (*residue)(const BlockRows& a, const float* r, const float* z, float* t);
+  /// z += c + D (t - A c); returns r.z.
+  double (*correct)(const BlockRows& a, const float* d, const float* t, const float* c, const float* r, float* z);
+  /// p = z + beta p.
+  void (*direct)(int n, const float* z, float beta, float* p);
+  /// q = (A - K) p, K as above, without it where k.rows is 0; returns p.q.
+  double (*product)(const BlockRows& a, const LinkRows<float>& k, const float* p, float* q);
+  /// sum += alpha p, r -= alpha q; returns sum of w^2 |r|^2, w one float a node.
+  double (*advance)(int n, float alpha, const float* p, const float* q, const float* w, float* sum, float* r);
+  /// y = P x: rows of weights.
+  void (*interpolate)(const LinkRows<float>& p, const float* x, float* y);
+  /// t = r - L z, L = diagonal (four floats a node, one an axis) - k_ij.
+  void (*coarse_residue)(const LinkRows<float>& l, const float* r, const float* z, float* t);
+  /// z += D (r - L z) into y, D four floats a node.
+  void (*coarse_sweep)(const LinkRows<float>& l, const float* d, const float* r, const float* z, float* y);
+};
+
+const BlockKernels& block_kernels(SimdLevel level);
+
+}  // namespace deformable_sim
