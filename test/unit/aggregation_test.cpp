@@ -9,39 +9,11 @@
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/linear/aggregation_multigrid.h"
 #include "deformable_sim/core/linear/multigrid_solver.h"
-#include "support/sheet_meshes.h"
-#include "support/sheets.h"
+#include "support/crooked_sheet.h"
 #include "support/system.h"
 
 namespace deformable_sim::test {
 namespace {
-
-/// side x side nodes on a unit square, those inside moved by up to a quarter of a cell; cells cut at random.
-TriangleMesh crooked_sheet(int side) {
-  std::mt19937 generator(static_cast<unsigned>(side));
-  std::uniform_real_distribution<double> move(-0.25, 0.25);
-  TriangleMesh mesh;
-  mesh.rest.resize(3, side * side);
-  for (int i = 0; i < side * side; ++i) {
-    const int row = i / side, col = i % side;
-    const bool in_row = row > 0 && row + 1 < side, in_col = col > 0 && col + 1 < side;
-    mesh.rest.col(i) =
-        Vec3(col + (in_col ? move(generator) : 0.0), row + (in_row ? move(generator) : 0.0), 0.0) / (side - 1.0);
-  }
-  for (int row = 0; row + 1 < side; ++row) {
-    for (int col = 0; col + 1 < side; ++col) {
-      const int a = row * side + col, b = a + 1, c = a + side + 1, d = a + side;
-      if (generator() % 2 == 0) {
-        mesh.triangles.push_back({a, b, c});
-        mesh.triangles.push_back({a, c, d});
-      } else {
-        mesh.triangles.push_back({a, b, d});
-        mesh.triangles.push_back({b, c, d});
-      }
-    }
-  }
-  return mesh;
-}
 
 Nodes noise(int n, double size, unsigned seed) {
   std::mt19937 generator(seed);
@@ -84,7 +56,7 @@ TEST(Aggregates, PartTheNodesIntoGroupsOfNeighbours) {
   // A group is a node with all its neighbours, or has more that are linked to one of those; a lone node is in none.
   const TriangleMesh mesh = crooked_sheet(12);
   const GraphMatrix laplacian = laplacian_of(mesh);
-  GraphMatrix links(145, 145);
+  GraphMatrix links(145, 145);  // one node more, alone
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < 144; ++i) {
     for (GraphMatrix::InnerIterator it(laplacian, i); it; ++it) {
@@ -161,14 +133,20 @@ TEST(AggregationMultigrid, GivesUpWhereALevelIsNotDefinite) {
 /// An implicit step's matrix of a crooked sheet of springs, 1 m wide, 0.2 kg/m^2, E h = 1e3 N/m, crumpled, one corner
 /// held, and quadratic bending apart from it.
 struct Sheet {
-  explicit Sheet(int side) : mesh(crooked_sheet(side)), body(mesh.rest, sheet_masses(mesh, 0.2)) {
+  enum class Shape { kCrumpled, kStretched };
+  explicit Sheet(int side, Shape shape = Shape::kCrumpled)
+      : mesh(crooked_sheet(side)), body(mesh.rest, sheet_masses(mesh, 0.2)) {
     SheetStiffness stiffness;
     stiffness.membrane = 1e3;
     body.add_springs(sheet_network(mesh, stiffness));
     body.add(
         make_quadratic_links("bending", quadratic_bending_weights(mesh, isotropic_bending(1e-5, 0.3)), kDamping, 0));
     body.build_pattern();
-    body.state.x += noise(side * side, 0.05 / side, 3);
+    if (shape == Shape::kCrumpled) {
+      body.state.x += noise(side * side, 0.05 / side, 3);
+    } else {
+      body.state.x *= 1.02;
+    }
     blocks = whole = body.pattern;
     for (const Energy* term : body.dynamics.energies) {
       term->add_jacobian(body.state, 1.0, 1.0 / kTau, Jacobian::kProjected, &whole);
@@ -216,27 +194,47 @@ struct Sheet {
   Eigen::VectorXd weight;
 };
 
-TEST(MultigridSolver, SolvesWhatTheSparseFactorisationSolvesWithLinksInTheMatrix) {
-  // Both solve (A + K (1 + damping / tau)) x = b; refined in double precision to a residual of 1e-9.
-  const Sheet sheet(14);
-  Nodes found, expected = Nodes::Zero(3, sheet.whole.rows());
-  EXPECT_TRUE(sheet.solve(1e-9, &found).solved);
+Nodes exact(const BlockMatrix& a, const Sheet& sheet) {
+  Nodes x = Nodes::Zero(3, a.rows());
   const auto direct = make_direct_solver();
-  direct->prepare(sheet.whole);
-  direct->solve(sheet.whole, sheet.right_side, sheet.weight, {}, &expected);
-  EXPECT_LT((found - expected).norm(), 1e-7 * expected.norm());
+  direct->prepare(a);
+  direct->solve(a, sheet.right_side, sheet.weight, {}, &x);
+  return x;
 }
 
-TEST(MultigridSolver, NeedsHardlyMoreIterationsOnLargerMeshes) {
-  // A stiffness that spreads over the whole sheet in a step. Without coarse levels the number doubles with the side.
+TEST(MultigridSolver, SolvesWhatTheSparseFactorisationSolves) {
+  // A x = b to four digits of the residual, the most that single precision gives.
+  Sheet sheet(14);
+  sheet.links.clear();
+  Nodes found;
+  EXPECT_TRUE(sheet.solve(1e-9, &found).solved);
+  const Nodes expected = exact(sheet.blocks, sheet);
+  EXPECT_LT((found - expected).norm(), 1e-3 * expected.norm());
+}
+
+TEST(MultigridSolver, SeesLinksApartAsIfTheyWereInTheMatrix) {
+  // Left out are links of less than a hundredth of the rows' sums: of what the links change, less than a tenth is
+  // wrong.
+  const Sheet sheet(14);
+  Nodes found;
+  EXPECT_TRUE(sheet.solve(1e-4, &found).solved);
+  const Nodes expected = exact(sheet.whole, sheet), without = exact(sheet.blocks, sheet);
+  EXPECT_LT((found - expected).norm(), 0.1 * (without - expected).norm());
+}
+
+TEST(MultigridSolver, NeedsFewMoreIterationsOnLargerMeshes) {
+  // Of a sheet whose stiffness spreads far in a step; at most a half more for four times the nodes, and twice for
+  // sixteen times. With block Jacobi alone the number doubles with each, from 40 on.
   std::vector<int> iterations;
   for (const int side : {16, 32, 64}) {
     Nodes x;
-    const LinearReport report = Sheet(side).solve(1e-3, &x);
+    const LinearReport report = Sheet(side, Sheet::Shape::kStretched).solve(1e-3, &x);
     EXPECT_TRUE(report.solved);
     iterations.push_back(report.iterations);
   }
-  EXPECT_LE(iterations[2], 1.5 * iterations[0]) << iterations[0] << ' ' << iterations[1] << ' ' << iterations[2];
+  EXPECT_LE(iterations[1], 1.5 * iterations[0]);
+  EXPECT_LE(iterations[2], 2.0 * iterations[0]);
+  EXPECT_LE(iterations[2], 20);
 }
 
 TEST(BlockKernels, EqualTheirPlainTwins) {
@@ -248,19 +246,24 @@ TEST(BlockKernels, EqualTheirPlainTwins) {
     for (int e = 0; e < 9; ++e)
       blocks[static_cast<size_t>(9 * k + e)] = static_cast<float>(sheet.blocks.block(k).data()[e]);
   }
-  const BlockRows a{n, sheet.blocks.row_start().data(), sheet.blocks.column().data(), blocks.data()};
+  std::vector<unsigned> place;
+  for (int column : sheet.blocks.column()) place.push_back(4U * static_cast<unsigned>(column));
+  const BlockRows a{n, sheet.blocks.row_start().data(), place.data(), blocks.data()};
   const ConstantLinks& links = *sheet.links[0];
   const std::vector<float> values(links.stiffness.begin(), links.stiffness.end()),
       sum(links.sum.begin(), links.sum.end());
-  const LinkRows<float> k{n, links.row_start.data(), links.column.data(), values.data(), sum.data()};
+  const LinkRows<float> k{n, links.row_start.data(), links.place.data(), values.data(), sum.data()};
   const PaddedNodes p = padded_noise(n, 1), r = padded_noise(n, 2);
-  Nodes ap, kp = Nodes::Zero(3, n);
-  sheet.blocks.multiply(p.topRows<3>().cast<double>(), &ap);
-  for (int i = 0; i < n; ++i) {
-    for (int e = links.row_start[static_cast<size_t>(i)]; e < links.row_start[static_cast<size_t>(i) + 1]; ++e) {
-      const Eigen::Vector4f d = p.col(i) - p.col(links.column[static_cast<size_t>(e)]);
-      kp.col(i) += links.stiffness[static_cast<size_t>(e)] * d.head<3>().cast<double>();
+  const Nodes y = p.topRows<3>().cast<double>();
+  Nodes ap, neighbours = Nodes::Zero(3, n), kp = neighbours, force = neighbours;
+  sheet.blocks.multiply(y, &ap);
+  for (int row = 0; row < n; ++row) {
+    const auto at = static_cast<size_t>(row);
+    for (int e = links.row_start[at]; e < links.row_start[at + 1]; ++e) {
+      neighbours.col(row) += links.stiffness[static_cast<size_t>(e)] * y.col(links.place[static_cast<size_t>(e)] / 4);
     }
+    kp.col(row) = links.sum[at] * y.col(row) - neighbours.col(row);
+    force.col(links.node[at]) = neighbours.col(row) - links.sum[at] * y.col(links.node[at]);
   }
   const double size = ap.norm() / std::sqrt(n);
   for (const SimdLevel level : {SimdLevel::kSse2, simd_level()}) {
@@ -272,12 +275,12 @@ TEST(BlockKernels, EqualTheirPlainTwins) {
     EXPECT_EQ(q.row(3).cwiseAbs().maxCoeff(), 0.0f);
     kernels.residue(a, r.data(), p.data(), t.data());
     EXPECT_LT((t.topRows<3>().cast<double>() - r.topRows<3>().cast<double>() + ap).cwiseAbs().maxCoeff(), 1e-5 * size);
-    Nodes f = Nodes::Ones(3, n), y = p.topRows<3>().cast<double>();
+    Nodes f = Nodes::Ones(3, n);
     Eigen::Matrix4Xd padded = Eigen::Matrix4Xd::Zero(4, n);
     padded.topRows<3>() = y;
-    kernels.add_links({n, links.row_start.data(), links.column.data(), links.stiffness.data(), links.sum.data()},
-                      padded.data(), f.data());
-    EXPECT_LT((f + kp - Nodes::Ones(3, n)).cwiseAbs().maxCoeff(), 1e-7);
+    kernels.add_links({n, links.row_start.data(), links.place.data(), links.stiffness.data(), links.sum.data()},
+                      links.node.data(), padded.data(), f.data());
+    EXPECT_LT((f - Nodes::Ones(3, n) - force).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
 

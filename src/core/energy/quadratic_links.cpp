@@ -1,11 +1,13 @@
 // Quadratic energies of distances as a term: a constant sparse matrix, the same for x, y and z.
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "deformable_sim/core/energy/constant_links.h"
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/linear/block_kernels.h"
+#include "deformable_sim/core/linear/row_order.h"
 
 namespace deformable_sim {
 namespace {
@@ -39,9 +41,9 @@ class QuadraticLinks : public Energy {
     for (int i = 0; i < links_.rows(); ++i) {
       for (int d = 0; d < 3; ++d) y_[static_cast<size_t>(4 * i + d)] = x[3 * i + d] + links_.damping * v[3 * i + d];
     }
-    kernels_.add_links(
-        {links_.rows(), links_.row_start.data(), links_.column.data(), links_.stiffness.data(), links_.sum.data()},
-        y_.data(), f->data() + first);
+    const LinkRows<double> rows{links_.rows(), links_.row_start.data(), links_.place.data(), links_.stiffness.data(),
+                                links_.sum.data()};
+    kernels_.add_links(rows, links_.node.data(), y_.data(), f->data() + first);
   }
 
   void add_pattern(std::vector<std::array<int, 2>>* pairs) const override {
@@ -61,8 +63,8 @@ class QuadraticLinks : public Energy {
     for (size_t k = 0; k < weights_.size(); ++k) {
       for (int slot : slots_[k]) a->block(slot).diagonal().array() -= scale * weights_[k].weight;
     }
-    for (int i = 0; i < links_.rows(); ++i) {
-      a->block(a->diagonal_slot(world(i))).diagonal().array() += scale * links_.sum[static_cast<size_t>(i)];
+    for (size_t i = 0; i < links_.sum.size(); ++i) {
+      a->block(a->diagonal_slot(world(links_.node[i]))).diagonal().array() += scale * links_.sum[i];
     }
   }
 
@@ -70,30 +72,32 @@ class QuadraticLinks : public Energy {
   int world(int node) const { return links_.first_node + node; }
 
   void fill_rows() {
-    int rows = 0;
-    for (const QuadraticWeight& w : weights_) rows = std::max({rows, w.a + 1, w.b + 1});
-    const auto n = static_cast<size_t>(rows);
-    links_.row_start.assign(n + 1, 0);
+    int nodes = 0;
+    for (const QuadraticWeight& w : weights_) nodes = std::max({nodes, w.a + 1, w.b + 1});
+    std::vector<std::vector<std::pair<int, double>>> rows(static_cast<size_t>(nodes));
     for (const QuadraticWeight& w : weights_) {
-      ++links_.row_start[static_cast<size_t>(w.a) + 1];
-      ++links_.row_start[static_cast<size_t>(w.b) + 1];
+      rows[static_cast<size_t>(w.a)].emplace_back(w.b, w.weight);
+      rows[static_cast<size_t>(w.b)].emplace_back(w.a, w.weight);
     }
-    for (size_t i = 0; i < n; ++i) links_.row_start[i + 1] += links_.row_start[i];
-    std::vector<int> next(links_.row_start.begin(), links_.row_start.end() - 1);
-    links_.column.resize(2 * weights_.size());
-    links_.stiffness.resize(2 * weights_.size());
-    links_.sum.assign(n, 0.0);
-    const auto put = [&](int i, int j, double weight) {
-      const auto at = static_cast<size_t>(next[static_cast<size_t>(i)]++);
-      links_.column[at] = j;
-      links_.stiffness[at] = weight;
-      links_.sum[static_cast<size_t>(i)] += weight;
-    };
-    for (const QuadraticWeight& w : weights_) {
-      put(w.a, w.b, w.weight);
-      put(w.b, w.a, w.weight);
+    links_.node.resize(rows.size());
+    std::iota(links_.node.begin(), links_.node.end(), 0);
+    sort_in_windows([&](int i) { return static_cast<int>((rows[static_cast<size_t>(i)].size() + 3) / 4); },
+                    &links_.node);
+    for (int i : links_.node) {
+      double sum = 0.0;
+      for (const auto& [j, weight] : rows[static_cast<size_t>(i)]) {
+        links_.place.push_back(4U * static_cast<unsigned>(j));
+        links_.stiffness.push_back(weight);
+        sum += weight;
+      }
+      links_.sum.push_back(sum);
+      while (links_.place.size() % 4 != 0) {
+        links_.place.push_back(4U * static_cast<unsigned>(i));
+        links_.stiffness.push_back(0.0);
+      }
+      links_.row_start.push_back(static_cast<int>(links_.place.size()));
     }
-    y_.assign(4 * n, 0.0);
+    y_.assign(4 * rows.size(), 0.0);
   }
 
   std::string name_;

@@ -86,7 +86,7 @@ std::vector<int> aggregates(const GraphMatrix& links, int* count) {
 }
 
 LinkRows<float> AggregationMultigrid::Rows::rows(const float* diagonal) const {
-  return {static_cast<int>(start.size()) - 1, start.data(), column.data(), value.data(), diagonal};
+  return {static_cast<int>(start.size()) - 1, start.data(), place.data(), value.data(), diagonal};
 }
 
 /// Off the diagonal where it is square, times `factor`.
@@ -96,10 +96,14 @@ AggregationMultigrid::Rows AggregationMultigrid::rows_of(const GraphMatrix& m, d
   for (Eigen::Index i = 0; i < m.rows(); ++i) {
     for (GraphMatrix::InnerIterator it(m, i); it; ++it) {
       if (square && it.col() == i) continue;
-      rows.column.push_back(static_cast<int>(it.col()));
+      rows.place.push_back(4U * static_cast<unsigned>(it.col()));
       rows.value.push_back(static_cast<float>(factor * it.value()));
     }
-    rows.start.push_back(static_cast<int>(rows.column.size()));
+    while (rows.place.size() % 4 != 0) {
+      rows.place.push_back(0U);
+      rows.value.push_back(0.0f);
+    }
+    rows.start.push_back(static_cast<int>(rows.place.size()));
   }
   return rows;
 }
@@ -170,8 +174,8 @@ bool AggregationMultigrid::factorise() {
     for (int i = 0; i < level.size; ++i) {
       dense_(i, i) = static_cast<double>(level.diagonal(axis, i));
       for (int k = level.links.start[static_cast<size_t>(i)]; k < level.links.start[static_cast<size_t>(i) + 1]; ++k) {
-        dense_(i, level.links.column[static_cast<size_t>(k)]) =
-            -static_cast<double>(level.links.value[static_cast<size_t>(k)]);
+        dense_(i, static_cast<int>(level.links.place[static_cast<size_t>(k)] / 4)) -=
+            static_cast<double>(level.links.value[static_cast<size_t>(k)]);
       }
     }
     factor_.compute(dense_);

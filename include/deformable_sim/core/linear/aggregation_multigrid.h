@@ -45,7 +45,8 @@ class AggregationMultigrid {
  private:
   /// A scalar matrix in single precision.
   struct Rows {
-    std::vector<int> start{0}, column;
+    std::vector<int> start{0};
+    std::vector<unsigned> place;  // four times the column
     std::vector<float> value;
     LinkRows<float> rows(const float* diagonal) const;
   };

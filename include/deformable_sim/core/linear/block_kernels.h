@@ -5,20 +5,38 @@
 
 namespace deformable_sim {
 
-/// Compressed rows of 3 x 3 blocks: nine floats a block, by columns; three floats follow the last one.
+/// Compressed rows of 3 x 3 blocks: nine floats a block, by columns; three floats follow the last one. `place` is four
+/// times the column: where its node lies.
 struct BlockRows {
   int rows;
   const int* start;
-  const int* column;
+  const unsigned* place;
   const float* block;
 };
 
-/// A scalar matrix by compressed rows, off-diagonal entries k_ij and a diagonal of its own.
+/// Where the blocks of rows come from: nine doubles each, by columns; `slot` which of them, `diagonal` which of a
+/// row's.
+struct BlockSource {
+  int rows;
+  const int* start;
+  const int* slot;
+  const int* diagonal;
+  const double* block;
+};
+
+/// A spring between nodes a and b: rest length (m), stiffness (N/m), damping (N s/m).
+struct SpringElement {
+  int a, b;
+  double length, stiffness, damping;
+};
+
+/// A scalar matrix by compressed rows, off-diagonal entries k_ij and a diagonal of its own. Rows are filled up with
+/// zeros to a multiple of four entries. `place` as above.
 template <class Real>
 struct LinkRows {
   int rows;
   const int* start;
-  const int* column;
+  const unsigned* place;
   const Real* value;
   const Real* diagonal;
 };
@@ -27,9 +45,17 @@ struct LinkRows {
 ///
 /// Not good at: results that are the same to the last bit at all levels.
 struct BlockKernels {
-  /// f += K y, K = k_ij - diagonal; y has four doubles a node, f three.
-  void (*add_links)(const LinkRows<double>& k, const double* y, double* f);
-  /// z = D r, D nine floats a node as in BlockRows.
+  /// f += K y, K = k_ij - diagonal, row i being that of node[i]; y has four doubles a node, f three.
+  void (*add_links)(const LinkRows<double>& k, const int* node, const double* y, double* f);
+  /// Of `count` springs: blocks += dx dF/dd + dv dF/dw as Spring::stiffness, projected; four slots (aa, ab, ba, bb)
+  /// each.
+  void (*add_springs)(int count, const SpringElement* springs, const int* slots, const double* x, double dx, double dv,
+                      double* blocks);
+  /// Single precision copies of blocks; per row weight (D + extra)^-1 of the diagonal block D, and in three of four
+  /// floats the sum of the blocks' diagonals.
+  void (*load)(const BlockSource& from, const float* extra, float weight, float* blocks, float* inverse,
+               float* row_sum);
+  /// z = D r, D nine floats a node as in BlockRows::block.
   void (*sweep)(int n, const float* d, const float* r, float* z);
   /// t = r - A z.
   void (*residue)(const BlockRows& a, const float* r, const float* z, float* t);

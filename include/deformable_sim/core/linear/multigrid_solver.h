@@ -9,12 +9,13 @@
 
 namespace deformable_sim {
 
-/// Solves (A + links) x = b. The iteration runs in single precision inside a refinement in double precision. One
-/// iteration: block-Jacobi sweep, AggregationMultigrid, sweep, each on what the one before has left of A, in whose
-/// diagonal blocks the sweeps count the links; the product with A + links. Without a coarse level that works, one
-/// sweep alone.
+/// Solves (A + links) x = b from x = 0 in single precision. One iteration: block-Jacobi sweep, AggregationMultigrid,
+/// sweep, each on what the one before has left of A, in whose diagonal blocks the sweeps count the links; the product
+/// with A + links. Without a coarse level that works, one sweep alone. Links of less than a hundredth of those around
+/// are left out.
 ///
-/// Not good at: constant links that are stiffer than all else, of which only the diagonal preconditions.
+/// Not good at: more than four digits, and two of what links do (Newton's method, whose residual is exact, gives the
+/// others); links that are stiffer than all else, of which only the diagonal preconditions.
 class MultigridSolver : public LinearSolver {
  public:
   /// To be called before prepare(): links whose derivatives, times 1 + damping / tau (s), A lacks, and the nodes whose
