@@ -82,14 +82,18 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
   if (!model->strain_limits.empty()) limiter = std::make_unique<StrainLimiter>(*model);
   if (integrator->needs().jacobian) {
     std::vector<std::array<int, 2>> pairs;
-    for (const auto& e : model->energies) e->add_pattern(&pairs);
+    const bool links_apart = integrator->needs().links_apart;
+    const auto in_pattern = [&](const Energy& e) { return !links_apart || e.constant_links() == nullptr; };
+    for (const auto& e : model->energies)
+      if (in_pattern(*e)) e->add_pattern(&pairs);
     for (int j = 0; j < model->mass_matrix.outerSize(); ++j)
       for (Eigen::SparseMatrix<double>::InnerIterator it(model->mass_matrix, j); it; ++it)
         if (it.row() < j) pairs.push_back({static_cast<int>(it.row()), j});
     add_contact_pairs(*model, &pairs);
     if (limiter) limiter->springs()->add_pattern(&pairs);
     pattern = BlockMatrix(model->node_count(), pairs, model->point_count());
-    for (const auto& e : model->energies) e->bind(pattern);
+    for (const auto& e : model->energies)
+      if (in_pattern(*e)) e->bind(pattern);
     if (limiter) limiter->springs()->bind(pattern);
     dynamics.pattern = &pattern;
   }

@@ -1,9 +1,9 @@
 // What a World says about itself: snapshot and bill.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 
+#include "deformable_sim/core/integrator/sheet_stage.h"
 #include "deformable_sim/core/rod_frames.h"
 #include "world_parts.h"
 
@@ -106,6 +106,22 @@ void warn_of_strain(const Model& model, const std::vector<BodyReport>& reports, 
                         percent(stretched ? reports[b].max_strain : reports[b].min_strain) + ", beyond the " +
                         percent(stretched ? high : low) + " its material law holds for");
   }
+}
+
+/// Multigrid is of two kinds, and not known to all schemes.
+std::string solver_name(const SolverSettings& settings, const Integrator& integrator, const Dynamics& d) {
+  switch (settings.linear) {
+    case SolverSettings::Linear::kDirect:
+      return "direct";
+    case SolverSettings::Linear::kBanded:
+      return "banded";
+    case SolverSettings::Linear::kMultigrid:
+      if (integrator.needs().links_apart) return sheets_fit(d) ? "multigrid on grids" : "multigrid on aggregates";
+      break;
+    case SolverSettings::Linear::kConjugateGradient:
+      break;
+  }
+  return "conjugate gradient";
 }
 
 // m/s^2, about twice gravity: fast slack cloth misses the Newton tolerance at most steps without showing; see ~status.
@@ -213,9 +229,8 @@ std::vector<BillItem> World::bill() const {
     bill[k].share = sum > 0.0 ? cost.assembly / total * seconds[k] / sum : 0.0;
   }
   if (w.dynamics.pattern != nullptr) {
-    constexpr std::array<const char*, 4> kSolvers = {"direct", "conjugate gradient", "banded", "multigrid"};
     bill.push_back({"linear solver",
-                    std::string(kSolvers[static_cast<size_t>(w.settings.solver.linear)]) + ", " +
+                    solver_name(w.settings.solver, *w.integrator, w.dynamics) + ", " +
                         std::to_string(w.pattern.block_count()) + " blocks of 3 x 3",
                     cost.solve / total});
   }

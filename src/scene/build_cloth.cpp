@@ -117,12 +117,10 @@ bool bends_by_differences(const BodySpec& spec, const TriangleMesh& mesh) {
 
 void add_quadratic_bending(const BodySpec& spec, const TriangleMesh& mesh, int first_node, Parts* parts) {
   const BendingMaterial bending = bending_material(spec, mesh);
-  if (!bends_by_differences(spec, mesh)) {
-    parts->terms.push_back(make_quadratic_bending(mesh, bending, first_node));
-    return;
-  }
-  parts->terms.push_back(make_quadratic_links("bending: quadratic", grid_bending_weights(mesh, bending),
-                                              bending_damping(spec), first_node));
+  parts->terms.push_back(make_quadratic_links(
+      "bending: quadratic",
+      bends_by_differences(spec, mesh) ? grid_bending_weights(mesh, bending) : quadratic_bending_weights(mesh, bending),
+      bending_damping(spec), first_node));
 }
 
 /// What fast kernels see of a grid of springs.

@@ -135,20 +135,6 @@ TEST(MultigridStage, SlidesAsFrictionLetsIt) {
   }
 }
 
-TEST(MultigridStage, LeavesOtherScenesToConjugateGradients) {
-  // Air drag, a mesh that is no grid, a rope beside the sheet: the generic stage, bit by bit.
-  for (const std::string& text :
-       {"bodies:\n" + cloth("", kPins) + "air: {drag_coefficient: 1}\n",
-        "bodies:\n" + cloth("", kPins) + "  - rope: {name: r, segments: 9, pins: [end_0]}\n",
-        "bodies:\n  - cloth: {" + kCloth + ", model: membrane, material: {" + kMaterial + "}" + kPins + "}\n"}) {
-    const auto a = build_world(load_scene_text(text + "step: {integrator: bdf2, linear_solver: cg}\n", "s.yaml"));
-    const auto b =
-        build_world(load_scene_text(text + "step: {integrator: bdf2, linear_solver: multigrid}\n", "s.yaml"));
-    for (int k = 0; k < 5; ++k) ASSERT_TRUE(a->step().ok && b->step().ok);
-    EXPECT_EQ(a->state().x, b->state().x) << text;
-  }
-}
-
 TEST(MultigridStage, RepeatsItselfBitByBitWhateverCameBefore) {
   // What a solver keeps from step to step does not change what comes out.
   for (const Case& c : cases()) {

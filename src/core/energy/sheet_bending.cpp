@@ -4,8 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "deformable_sim/core/element/quadratic_link.h"
-#include "deformable_sim/core/energy/element_energy.h"
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/error.h"
 #include "plate_bending.h"
@@ -78,8 +76,7 @@ Eigen::Vector4d flat_weights(const TriangleMesh& mesh, const std::array<int, 4>&
           inverse2};
 }
 
-std::vector<QuadraticWeight> quadratic_weights(const TriangleMesh& mesh, const PlateMesh& plate,
-                                               const Mat3& stiffness) {
+std::vector<QuadraticWeight> weights_of(const TriangleMesh& mesh, const PlateMesh& plate, const Mat3& stiffness) {
   // E = 1/2 sum_ij Q_ij x_i.x_j with Q's rows summing to zero = -1/2 sum_i<j Q_ij |x_i - x_j|^2.
   std::map<std::array<int, 2>, double> weights;
   for (const PlatePatch& patch : plate.patches) {
@@ -122,14 +119,11 @@ std::unique_ptr<Energy> make_bending(const TriangleMesh& mesh, const BendingMate
                                         PlateBending::Part::kElasticAndViscous, first_node);
 }
 
-std::unique_ptr<Energy> make_quadratic_links(const std::string& name, const std::vector<QuadraticWeight>& weights,
-                                             double damping, int first_node) {
-  std::vector<ElementEnergy<QuadraticLink>::Element> links;
-  links.reserve(weights.size());
-  for (const QuadraticWeight& w : weights) {
-    links.push_back({{w.a + first_node, w.b + first_node}, {w.weight, damping * w.weight}});
-  }
-  return std::make_unique<ElementEnergy<QuadraticLink>>(name, std::move(links), QuadraticLink::Parameters{});
+std::vector<QuadraticWeight> quadratic_bending_weights(const TriangleMesh& mesh, const BendingMaterial& material) {
+  check_flat(material);
+  const Mat3 stiffness = plate_stiffness(material);
+  return weights_of(mesh, plate_mesh(mesh, stiffness, direction_that_matters(stiffness, material.warp_direction)),
+                    stiffness);
 }
 
 std::unique_ptr<Energy> make_quadratic_bending(const TriangleMesh& mesh, const BendingMaterial& material,
@@ -138,7 +132,7 @@ std::unique_ptr<Energy> make_quadratic_bending(const TriangleMesh& mesh, const B
   const Mat3 stiffness = plate_stiffness(material);
   PlateMesh plate = plate_mesh(mesh, stiffness, direction_that_matters(stiffness, material.warp_direction));
   std::unique_ptr<Energy> links =
-      make_quadratic_links("bending: quadratic", quadratic_weights(mesh, plate, stiffness), 0.0, first_node);
+      make_quadratic_links("bending: quadratic", weights_of(mesh, plate, stiffness), 0.0, first_node);
   if (material.damping == 0.0) return links;
   const size_t hinges = plate.hinges.size();
   auto dampers = std::make_unique<PlateBending>(std::move(plate), stiffness, std::vector<double>(hinges, 0.0),

@@ -14,10 +14,10 @@ constexpr double kMostGrowth = 2.0;  // of the step; beyond 1 + sqrt(2) the form
 
 class Bdf2 : public Integrator {
  public:
-  explicit Bdf2(const SolverSettings& settings) : stage_(make_stage_solver(settings)) {}
+  explicit Bdf2(const SolverSettings& settings) : needs_(stage_needs(settings)), stage_(make_stage_solver(settings)) {}
 
   std::string name() const override { return "bdf2"; }
-  Needs needs() const override { return {true}; }
+  Needs needs() const override { return needs_; }
   int order() const override { return 2; }
   double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
   void reset() override { stage_->reset(); }
@@ -66,6 +66,7 @@ class Bdf2 : public Integrator {
     return report;
   }
 
+  Needs needs_;
   std::unique_ptr<StageSolver> stage_;
   TrBdf2Step start_;
   Nodes x_start_, v_start_, x_base_, v_base_;

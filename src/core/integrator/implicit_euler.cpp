@@ -9,10 +9,11 @@ namespace {
 
 class ImplicitEuler : public Integrator {
  public:
-  explicit ImplicitEuler(const SolverSettings& settings) : stage_(make_stage_solver(settings)) {}
+  explicit ImplicitEuler(const SolverSettings& settings)
+      : needs_(stage_needs(settings)), stage_(make_stage_solver(settings)) {}
 
   std::string name() const override { return "implicit_euler"; }
-  Needs needs() const override { return {true}; }
+  Needs needs() const override { return needs_; }
   int order() const override { return 1; }
   double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
   void reset() override { stage_->reset(); }
@@ -20,6 +21,7 @@ class ImplicitEuler : public Integrator {
   StepReport advance(double dt, Dynamics* d, State* s) override { return implicit_euler_step(dt, stage_.get(), d, s); }
 
  private:
+  Needs needs_;
   std::unique_ptr<StageSolver> stage_;
 };
 

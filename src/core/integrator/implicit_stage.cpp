@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "deformable_sim/core/energy/limit_springs.h"
 #include "deformable_sim/core/integrator/cpu_time.h"
 
 namespace deformable_sim {
@@ -129,6 +130,7 @@ void ImplicitStage::find_near_nodes() {
 /// Chooses where Newton starts and returns the residual there. The explicit step repeats the last acceleration, since
 /// that was f(x0, v0) / m: for smooth motion it is off by the third derivative only.
 double ImplicitStage::start_iteration() {
+  if (coasts_) return coast();
   before_ = trial_.x;
   if (equation_.start_force != nullptr) {
     force_ = *equation_.start_force;
@@ -154,6 +156,26 @@ double ImplicitStage::start_iteration() {
   // Contacts are left out of the comparison: one Newton step puts them right from either start.
   if (!(unbalanced(base_) <= standing)) {
     trial_.x = before_;
+    evaluate();
+  }
+  return unbalanced(residual_);
+}
+
+/// As SheetSolve: from where every node would be with the velocity it has, or with strain limits, met at the start and
+/// all but rigid, from the start if that has the smaller residual.
+double ImplicitStage::coast() {
+  before_ = trial_.x;
+  step_ = equation_.duration * start_->v;
+  for (int node : matrix_.held()) step_.col(node).setZero();
+  trial_.x += step_;
+  evaluate();
+  const double moved = unbalanced(residual_);
+  const auto limits = [](const Energy* energy) { return dynamic_cast<const LimitSprings*>(energy) != nullptr; };
+  if (std::none_of(dynamics_->energies.begin(), dynamics_->energies.end(), limits)) return moved;
+  std::swap(trial_.x, before_);
+  evaluate();
+  if (moved < unbalanced(residual_)) {
+    std::swap(trial_.x, before_);
     evaluate();
   }
   return unbalanced(residual_);

@@ -9,11 +9,7 @@ void SheetStage::reset() {
   generic_.reset();
 }
 
-/// Sorts the terms and lays out the sheets.
-void SheetStage::prepare(const Dynamics& d) {
-  prepared_ = true;
-  sheets_.clear();
-  around_ = SheetSurroundings();
+bool sheets_fit(const Dynamics& d) {
   std::vector<const Energy*> in_rows;
   Eigen::Index count = 0;
   if (d.grids != nullptr) {
@@ -22,7 +18,22 @@ void SheetStage::prepare(const Dynamics& d) {
       in_rows.insert(in_rows.end(), grid.replaces.begin(), grid.replaces.end());
     }
   }
-  fits_ = count == d.mass->size() && d.mass_matrix == nullptr;
+  const auto known = [&](const Energy* energy) {
+    return energy->mass_force() != nullptr || dynamic_cast<const TargetSprings*>(energy) != nullptr ||
+           dynamic_cast<const LimitSprings*>(energy) != nullptr ||
+           std::find(in_rows.begin(), in_rows.end(), energy) != in_rows.end();
+  };
+  return count == d.mass->size() && d.mass_matrix == nullptr &&
+         std::all_of(d.energies.begin(), d.energies.end(), known);
+}
+
+/// Sorts the terms and lays out the sheets.
+void SheetStage::prepare(const Dynamics& d) {
+  prepared_ = true;
+  sheets_.clear();
+  around_ = SheetSurroundings();
+  fits_ = sheets_fit(d);
+  if (!fits_) return;
   for (const Energy* energy : d.energies) {
     if (const MassForce* force = energy->mass_force()) {
       around_.everywhere.acceleration += force->acceleration;
@@ -31,11 +42,8 @@ void SheetStage::prepare(const Dynamics& d) {
       around_.targets.push_back(targets);
     } else if (const auto* limits = dynamic_cast<const LimitSprings*>(energy)) {
       around_.limits.push_back(limits);
-    } else {
-      fits_ = fits_ && std::find(in_rows.begin(), in_rows.end(), energy) != in_rows.end();
     }
   }
-  if (!fits_) return;
   for (const GridSheet& grid : *d.grids) sheets_.push_back(std::make_unique<SheetSolve>(grid, d, settings_));
 }
 
@@ -76,6 +84,10 @@ void SheetStage::report_contacts(ContactConstraints* contacts) const {
 std::unique_ptr<StageSolver> make_stage_solver(const SolverSettings& settings) {
   if (settings.linear == SolverSettings::Linear::kMultigrid) return std::make_unique<SheetStage>(settings);
   return std::make_unique<ImplicitStage>(settings);
+}
+
+Needs stage_needs(const SolverSettings& settings) {
+  return {true, false, settings.linear == SolverSettings::Linear::kMultigrid};
 }
 
 }  // namespace deformable_sim

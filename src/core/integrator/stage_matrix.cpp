@@ -1,6 +1,9 @@
 #include "deformable_sim/core/integrator/stage_matrix.h"
 
 #include <cassert>
+#include <utility>
+
+#include "deformable_sim/core/linear/multigrid_solver.h"
 
 namespace deformable_sim {
 namespace {
@@ -12,7 +15,7 @@ std::unique_ptr<LinearSolver> make_solver(SolverSettings::Linear linear) {
     case SolverSettings::Linear::kBanded:
       return make_banded_solver();
     case SolverSettings::Linear::kConjugateGradient:
-    case SolverSettings::Linear::kMultigrid:  // of sheets on grids only: SheetStage
+    case SolverSettings::Linear::kMultigrid:  // where links stay apart
       break;
   }
   return make_conjugate_gradient_solver();
@@ -20,7 +23,20 @@ std::unique_ptr<LinearSolver> make_solver(SolverSettings::Linear linear) {
 
 }  // namespace
 
-StageMatrix::StageMatrix(const SolverSettings& settings) : solver_(make_solver(settings.linear)) {}
+StageMatrix::StageMatrix(const SolverSettings& settings, Links links) {
+  if (links == Links::kInBlocks) {
+    solver_ = make_solver(settings.linear);
+    return;
+  }
+  std::unique_ptr<MultigridSolver> multigrid = make_multigrid_solver();
+  multigrid_ = multigrid.get();
+  solver_ = std::move(multigrid);
+}
+
+void StageMatrix::reset() {
+  pattern_ = nullptr;
+  if (multigrid_ != nullptr) multigrid_->forget();
+}
 
 void StageMatrix::renew(const Dynamics& d, double tau) {
   dynamics_ = &d;
@@ -89,7 +105,9 @@ void StageMatrix::set_inertia(const std::vector<int>& near, double tau_near) {
 }
 
 void StageMatrix::add_forces(const State& s, double dx, double dv, Jacobian kind) {
-  for (const Energy* energy : dynamics_->energies) energy->add_jacobian(s, dx, dv, kind, &matrix_);
+  for (const Energy* energy : dynamics_->energies) {
+    if (multigrid_ == nullptr || energy->constant_links() == nullptr) energy->add_jacobian(s, dx, dv, kind, &matrix_);
+  }
 }
 
 void StageMatrix::make_symmetric() {
@@ -111,9 +129,18 @@ void StageMatrix::hold() {
   for (int node : held_) matrix_.block(matrix_.diagonal_slot(node)).setIdentity();
 }
 
+void StageMatrix::find_links() {
+  links_.clear();
+  for (const Energy* energy : dynamics_->energies) {
+    if (const ConstantLinks* links = energy->constant_links()) links_.push_back(links);
+  }
+  multigrid_->set_links(links_, tau_, held_);
+}
+
 LinearReport StageMatrix::solve(const Nodes& b, const Eigen::VectorXd& weight, const LinearTolerance& tolerance,
                                 Nodes* step, StepReport* report) {
   if (stale_) {
+    if (multigrid_ != nullptr) find_links();
     solver_->prepare(matrix_);
     prepared_tau_ = tau_;
     prepared_energies_ = dynamics_->energies;

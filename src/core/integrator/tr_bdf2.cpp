@@ -32,10 +32,11 @@ void add(const StepReport& part, StepReport* sum) {
 
 class TrBdf2 : public Integrator {
  public:
-  explicit TrBdf2(const SolverSettings& settings) : stage_(make_stage_solver(settings)) {}
+  explicit TrBdf2(const SolverSettings& settings)
+      : needs_(stage_needs(settings)), stage_(make_stage_solver(settings)) {}
 
   std::string name() const override { return "tr_bdf2"; }
-  Needs needs() const override { return {true}; }
+  Needs needs() const override { return needs_; }
   int order() const override { return 2; }
   double stability_limit(double) const override { return std::numeric_limits<double>::infinity(); }
   void reset() override { stage_->reset(); }
@@ -43,6 +44,7 @@ class TrBdf2 : public Integrator {
   StepReport advance(double dt, Dynamics* d, State* s) override { return step_.advance(dt, stage_.get(), d, s); }
 
  private:
+  Needs needs_;
   std::unique_ptr<StageSolver> stage_;
   TrBdf2Step step_;
 };

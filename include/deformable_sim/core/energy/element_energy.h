@@ -143,6 +143,12 @@ class ElementEnergy : public Energy {
     }
   }
 
+ protected:
+  using Slots = std::array<int, kPoints * kPoints>;
+  const std::vector<Element>& elements() const { return elements_; }
+  /// Of each element's blocks, by rows; once bound.
+  const std::vector<Slots>& slots() const { return slots_; }
+
  private:
   void add_lagged_jacobian(const State& s, double dx, double dv, BlockMatrix* a) const {
     for (size_t n = 0; n < elements_.size(); ++n) {
@@ -179,7 +185,7 @@ class ElementEnergy : public Energy {
   std::string name_;
   std::vector<Element> elements_;
   typename E::Parameters parameters_;
-  std::vector<std::array<int, kPoints * kPoints>> slots_;  // parallel to elements_, once bound
+  std::vector<Slots> slots_;  // parallel to elements_, once bound
 };
 
 }  // namespace deformable_sim

@@ -11,6 +11,8 @@
 
 namespace deformable_sim {
 
+struct ConstantLinks;
+
 /// What a term does to every node in proportion to its mass: f = m (acceleration - rate v).
 struct MassForce {
   Vec3 acceleration = Vec3::Zero();  // m/s^2
@@ -43,6 +45,10 @@ class Energy {
 
   /// Of terms that are nothing but a MassForce; null for all others.
   virtual const MassForce* mass_force() const { return nullptr; }
+
+  /// Of terms that are nothing but constant links; null for all others. A solver that knows them needs neither their
+  /// blocks nor bind().
+  virtual const ConstantLinks* constant_links() const { return nullptr; }
 
   /// Carries what the state remembers for this term beyond x and v to the positions at the end of a step.
   virtual void end_step(State* /*s*/) const {}

@@ -28,6 +28,9 @@ std::unique_ptr<Energy> make_bending(const TriangleMesh& mesh, const BendingMate
 std::unique_ptr<Energy> make_quadratic_bending(const TriangleMesh& mesh, const BendingMaterial& material,
                                                int first_node);
 
+/// The weights of that term, without damping; body-local nodes.
+std::vector<QuadraticWeight> quadratic_bending_weights(const TriangleMesh& mesh, const BendingMaterial& material);
+
 /// A quadratic energy as a term: f = sum w (x_b - x_a + damping (v_b - v_a)) on a. Damping (s) as a constant matrix:
 /// exactly 0 in translation, but it resists the turning of a curved sheet (moment: damping x rigidity x curvature x
 /// rate of turning).

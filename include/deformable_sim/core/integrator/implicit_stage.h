@@ -21,14 +21,21 @@ namespace deformable_sim {
 /// what is left is measured as A^-1 r / tau^2 with the last factors: the acceleration that one more step would add.
 /// That is the report's residual, and what the tolerance is for.
 ///
+/// With multigrid Newton starts from x_start + duration v_start: few iterations of it leave spring forces that are large
+/// and short-lived, and a guess made of them costs more than it saves. A body at rest still starts from where it is.
+///
 /// Linearised, f is replaced by its expansion about the start, f0 + K (x - x0) + C (v - v0), K and C exact: one linear
 /// solve, or a few with the same matrix where contacts close. If the matrix is then not definite (springs compressed
 /// beyond m / tau^2), the projected K and C take their place.
 class ImplicitStage : public StageSolver {
  public:
   enum class Forces { kNonlinear, kLinearised };
-  explicit ImplicitStage(const SolverSettings& settings, Forces forces = Forces::kNonlinear)
-      : settings_(settings), linearised_(forces == Forces::kLinearised), matrix_(settings) {}
+  explicit ImplicitStage(const SolverSettings& settings, Forces forces = Forces::kNonlinear,
+                         StageMatrix::Links links = StageMatrix::Links::kInBlocks)
+      : settings_(settings),
+        linearised_(forces == Forces::kLinearised),
+        coasts_(links == StageMatrix::Links::kApart),
+        matrix_(settings, links) {}
 
   void reset() override { matrix_.reset(); }
   StepReport solve(const StageEquation& equation, const State& start, const Dynamics& d) override;
@@ -48,6 +55,7 @@ class ImplicitStage : public StageSolver {
   void begin(const StageEquation& equation, const State& start, const Dynamics& d);
   void find_near_nodes();
   double start_iteration();
+  double coast();
   void guess();
   void find_velocities();
   void evaluate();
@@ -63,7 +71,7 @@ class ImplicitStage : public StageSolver {
   void try_fraction(double fraction);
 
   SolverSettings settings_;
-  bool linearised_;
+  bool linearised_, coasts_;
   StageMatrix matrix_;
   PenaltyContacts contacts_;
 

@@ -9,12 +9,16 @@
 
 namespace deformable_sim {
 
-/// Solves the sheets one by one (SheetSolve). Where there is more than they know, that is nodes of no sheet, a
-/// consistent mass matrix, or terms other than weight, mass damping, soft grasps and strain limits, all is left to an
-/// ImplicitStage with conjugate gradients.
+/// Whether SheetSolve knows everything that acts: no nodes beside those of sheets on grids, no consistent mass matrix,
+/// and no terms other than the sheets' own, weight, mass damping, soft grasps and strain limits.
+bool sheets_fit(const Dynamics& d);
+
+/// Solves the sheets one by one (SheetSolve) where sheets_fit(); else all is left to an ImplicitStage with a
+/// MultigridSolver.
 class SheetStage : public StageSolver {
  public:
-  explicit SheetStage(const SolverSettings& settings) : settings_(settings), generic_(settings) {}
+  explicit SheetStage(const SolverSettings& settings)
+      : settings_(settings), generic_(settings, ImplicitStage::Forces::kNonlinear, StageMatrix::Links::kApart) {}
 
   void reset() override;
   StepReport solve(const StageEquation& equation, const State& start, const Dynamics& d) override;

@@ -9,12 +9,18 @@
 
 namespace deformable_sim {
 
+class MultigridSolver;
+
 /// A = M / tau^2 - df/dx - (1 / tau) df/dv + contacts, one block row a node, rows and columns of prescribed nodes
 /// replaced by the identity.
+///
+/// Terms of constant links may stay apart: their part of A is then known to a MultigridSolver alone, and blocks() lacks
+/// it.
 class StageMatrix {
  public:
-  explicit StageMatrix(const SolverSettings& settings);
-  void reset() { pattern_ = nullptr; }
+  enum class Links { kInBlocks, kApart };
+  StageMatrix(const SolverSettings& settings, Links links);
+  void reset();
   /// Start of a stage. A new pattern, tau (s), set of held nodes or of terms makes the kept parts stale.
   void renew(const Dynamics& d, double tau);
 
@@ -38,8 +44,11 @@ class StageMatrix {
  private:
   void find_held_slots();
   void find_mass_slots();
+  void find_links();
 
   std::unique_ptr<LinearSolver> solver_;
+  MultigridSolver* multigrid_ = nullptr;  // the solver, where links stay apart
+  std::vector<const ConstantLinks*> links_;
   BlockMatrix matrix_;
   double tau_ = 0.0;
   const Dynamics* dynamics_ = nullptr;

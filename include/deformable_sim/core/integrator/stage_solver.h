@@ -52,5 +52,7 @@ class StageSolver {
 
 /// What settings.linear asks for: SheetStage for multigrid, ImplicitStage for all else.
 std::unique_ptr<StageSolver> make_stage_solver(const SolverSettings& settings);
+/// Of schemes that make their stages with it.
+Needs stage_needs(const SolverSettings& settings);
 
 }  // namespace deformable_sim

@@ -1,0 +1,118 @@
+// Quadratic energies of distances as a term: a constant sparse matrix, the same for x, y and z.
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "deformable_sim/core/energy/constant_links.h"
+#include "deformable_sim/core/energy/shell_terms.h"
+#include "deformable_sim/core/linear/block_kernels.h"
+#include "deformable_sim/core/linear/row_order.h"
+
+namespace deformable_sim {
+namespace {
+
+/// E = sum w/2 |x_b - x_a|^2; a weight may be negative, only the sum must not be. Damping as by the same matrix.
+class QuadraticLinks : public Energy {
+ public:
+  QuadraticLinks(std::string name, std::vector<QuadraticWeight> weights, double damping, int first_node)
+      : name_(std::move(name)), weights_(std::move(weights)), kernels_(block_kernels(simd_level())) {
+    links_.damping = damping;
+    links_.first_node = first_node;
+    fill_rows();
+  }
+
+  std::string name() const override { return name_; }
+  int element_count() const override { return static_cast<int>(weights_.size()); }
+  const ConstantLinks* constant_links() const override { return &links_; }
+
+  double value(const State& s) const override {
+    double sum = 0.0;
+    for (const QuadraticWeight& w : weights_) {
+      sum += 0.5 * w.weight * (s.x.col(world(w.b)) - s.x.col(world(w.a))).squaredNorm();
+    }
+    return sum;
+  }
+
+  void add_force(const State& s, Nodes* f) const override {
+    const size_t first = 3 * static_cast<size_t>(links_.first_node);
+    const double* x = s.x.data() + first;
+    const double* v = s.v.data() + first;
+    for (int i = 0; i < links_.rows(); ++i) {
+      for (int d = 0; d < 3; ++d) y_[static_cast<size_t>(4 * i + d)] = x[3 * i + d] + links_.damping * v[3 * i + d];
+    }
+    const LinkRows<double> rows{links_.rows(), links_.row_start.data(), links_.place.data(), links_.stiffness.data(),
+                                links_.sum.data()};
+    kernels_.add_links(rows, links_.node.data(), y_.data(), f->data() + first);
+  }
+
+  void add_pattern(std::vector<std::array<int, 2>>* pairs) const override {
+    for (const QuadraticWeight& w : weights_) pairs->push_back({world(w.a), world(w.b)});
+  }
+
+  void bind(const BlockMatrix& matrix) override {
+    slots_.clear();
+    for (const QuadraticWeight& w : weights_) {
+      const int a = world(w.a), b = world(w.b);
+      slots_.push_back({matrix.slot(a, b), matrix.slot(b, a)});
+    }
+  }
+
+  void add_jacobian(const State&, double dx, double dv, Jacobian, BlockMatrix* a) const override {
+    const double scale = dx + dv * links_.damping;
+    for (size_t k = 0; k < weights_.size(); ++k) {
+      for (int slot : slots_[k]) a->block(slot).diagonal().array() -= scale * weights_[k].weight;
+    }
+    for (size_t i = 0; i < links_.sum.size(); ++i) {
+      a->block(a->diagonal_slot(world(links_.node[i]))).diagonal().array() += scale * links_.sum[i];
+    }
+  }
+
+ private:
+  int world(int node) const { return links_.first_node + node; }
+
+  void fill_rows() {
+    int nodes = 0;
+    for (const QuadraticWeight& w : weights_) nodes = std::max({nodes, w.a + 1, w.b + 1});
+    std::vector<std::vector<std::pair<int, double>>> rows(static_cast<size_t>(nodes));
+    for (const QuadraticWeight& w : weights_) {
+      rows[static_cast<size_t>(w.a)].emplace_back(w.b, w.weight);
+      rows[static_cast<size_t>(w.b)].emplace_back(w.a, w.weight);
+    }
+    links_.node.resize(rows.size());
+    std::iota(links_.node.begin(), links_.node.end(), 0);
+    sort_in_windows([&](int i) { return static_cast<int>((rows[static_cast<size_t>(i)].size() + 3) / 4); },
+                    &links_.node);
+    for (int i : links_.node) {
+      double sum = 0.0;
+      for (const auto& [j, weight] : rows[static_cast<size_t>(i)]) {
+        links_.place.push_back(4U * static_cast<unsigned>(j));
+        links_.stiffness.push_back(weight);
+        sum += weight;
+      }
+      links_.sum.push_back(sum);
+      while (links_.place.size() % 4 != 0) {
+        links_.place.push_back(4U * static_cast<unsigned>(i));
+        links_.stiffness.push_back(0.0);
+      }
+      links_.row_start.push_back(static_cast<int>(links_.place.size()));
+    }
+    y_.assign(4 * rows.size(), 0.0);
+  }
+
+  std::string name_;
+  std::vector<QuadraticWeight> weights_;
+  const BlockKernels& kernels_;
+  ConstantLinks links_;
+  std::vector<std::array<int, 2>> slots_;  // parallel to weights_, once bound
+  mutable std::vector<double> y_;          // of the evaluation in progress: a term is used by one thread at a time
+};
+
+}  // namespace
+
+std::unique_ptr<Energy> make_quadratic_links(const std::string& name, const std::vector<QuadraticWeight>& weights,
+                                             double damping, int first_node) {
+  return std::make_unique<QuadraticLinks>(name, weights, damping, first_node);
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,398 @@
+#include "deformable_sim/core/linear/multigrid_solver.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "deformable_sim/core/linear/aggregation_multigrid.h"
+#include "deformable_sim/core/linear/row_order.h"
+
+namespace deformable_sim {
+namespace {
+
+constexpr double kDigits = 1e-4;     // relative residual that single precision can give
+constexpr float kSmoothing = 0.65f;  // weight of a sweep, at most ...
+constexpr float kBelowLimit = 1.7f;  // ... and this over lambda_max as so many powers of D^-1 A find it, too low
+constexpr int kPowers = 15;
+constexpr double kWeight = 0.5;  // of a link's stiffness in the scalar operator, see ScalarFactor
+// The coarse levels are renewed when more than one row sum in this many has changed by more than the ratio.
+constexpr int kStaleShare = 12;
+constexpr float kStaleRatio = 2.0f;
+// Links below this share of the geometric mean of both rows' sums are left out: Newton's matrix need not be exact, and
+// of a plate on a crooked mesh they are half of all.
+constexpr double kLeastLink = 0.01;
+constexpr double kOtherStiffness = 1.5;  // a Laplacian that has changed by more is made anew
+
+/// Nodes breadth first from a node of least degree, so that neighbours lie near each other in memory [Cuthill 1969].
+std::vector<int> breadth_first(const BlockMatrix& a) {
+  const auto degree = [&](int i) {
+    return a.row_start()[static_cast<size_t>(i) + 1] - a.row_start()[static_cast<size_t>(i)];
+  };
+  std::vector<int> starts(static_cast<size_t>(a.rows())), order, next;
+  for (int i = 0; i < a.rows(); ++i) starts[static_cast<size_t>(i)] = i;
+  std::stable_sort(starts.begin(), starts.end(), [&](int i, int j) { return degree(i) < degree(j); });
+  std::vector<char> seen(starts.size(), 0);
+  for (int start : starts) {
+    if (seen[static_cast<size_t>(start)] != 0) continue;
+    seen[static_cast<size_t>(start)] = 1;
+    order.push_back(start);
+    for (size_t k = order.size() - 1; k < order.size(); ++k) {
+      next.clear();
+      const auto i = static_cast<size_t>(order[k]);
+      for (int slot = a.row_start()[i]; slot < a.row_start()[i + 1]; ++slot) {
+        const int j = a.column()[static_cast<size_t>(slot)];
+        if (seen[static_cast<size_t>(j)] != 0) continue;
+        seen[static_cast<size_t>(j)] = 1;
+        next.push_back(j);
+      }
+      std::stable_sort(next.begin(), next.end(), [&](int p, int q) { return degree(p) < degree(q); });
+      order.insert(order.end(), next.begin(), next.end());
+    }
+  }
+  return order;
+}
+
+class Solver : public MultigridSolver {
+ public:
+  Solver() : kernels_(block_kernels(simd_level())), coarse_(kernels_) {}
+
+  void set_links(const std::vector<const ConstantLinks*>& links, double tau, const std::vector<int>& held) override {
+    links_ = links;
+    link_tau_ = tau;
+    held_nodes_ = held;
+  }
+
+  void forget() override { stiffness_ = 0.0; }
+
+  void prepare(const BlockMatrix& a) override {
+    const bool same = a.row_start() == pattern_rows_ && a.column() == pattern_columns_ && held_nodes_ == laid_out_held_;
+    if (!same) {
+      lay_out(a);
+      lay_out_links(a.rows());
+    }
+    scale_links();
+    set_weight(a);
+    const double stiffness = total_weight(a);
+    if (same && stiffness < kOtherStiffness * stiffness_ && stiffness_ < kOtherStiffness * stiffness) return;
+    stiffness_ = stiffness;
+    coarse_.prepare(laplacian_of(a));
+    refreshed_.setZero();
+  }
+
+  LinearReport solve(const BlockMatrix& a, const Nodes& b, const Eigen::VectorXd& weight,
+                     const LinearTolerance& tolerance, Nodes* x) override {
+    load(a);
+    double squares = 0.0;
+    for (size_t p = 0; p < node_.size(); ++p) {
+      weight_[p] = static_cast<float>(weight[node_[p]]);
+      squares += weight[node_[p]] * weight[node_[p]] * b.col(node_[p]).squaredNorm();
+    }
+    LinearReport report;
+    definite_ = true;
+    const double norm = std::sqrt(squares / static_cast<double>(std::max<size_t>(1, node_.size())));
+    const double goal = std::max(tolerance.absolute, std::max(tolerance.relative, kDigits) * norm);
+    if (norm <= goal) return report;
+    report.iterations = iterate(b, goal / norm, tolerance.iterations, &report.solved);
+    for (size_t p = 0; p < node_.size(); ++p) {
+      x->col(node_[p]) += sum_.col(static_cast<Eigen::Index>(p)).head<3>().cast<double>() * unit_;
+    }
+    report.definite = definite_;
+    return report;
+  }
+
+ private:
+  bool is_held(int position) const { return held_[static_cast<size_t>(position)] != 0; }
+
+  /// Rows in the solver's own order.
+  void lay_out(const BlockMatrix& a) {
+    pattern_rows_ = a.row_start();
+    pattern_columns_ = a.column();
+    laid_out_held_ = held_nodes_;
+    const auto n = static_cast<size_t>(a.rows());
+    node_ = breadth_first(a);
+    size_links(a.rows());
+    sort_by_length(a);
+    position_.resize(n);
+    for (size_t p = 0; p < n; ++p) position_[static_cast<size_t>(node_[p])] = static_cast<int>(p);
+    held_.assign(n, 0);
+    for (int node : held_nodes_) held_[static_cast<size_t>(position_[static_cast<size_t>(node)])] = 1;
+    start_.assign(1, 0);
+    place_.clear();
+    slot_.clear();
+    diagonal_.resize(n);
+    std::vector<std::array<int, 2>> row;
+    for (size_t p = 0; p < n; ++p) {
+      const auto i = static_cast<size_t>(node_[p]);
+      row.clear();
+      for (int k = a.row_start()[i]; k < a.row_start()[i + 1]; ++k) {
+        row.push_back({position_[static_cast<size_t>(a.column()[static_cast<size_t>(k)])], k});
+      }
+      std::sort(row.begin(), row.end());
+      for (const auto& [column, slot] : row) {
+        if (column == static_cast<int>(p)) diagonal_[p] = static_cast<int>(place_.size());
+        place_.push_back(4U * static_cast<unsigned>(column));
+        slot_.push_back(slot);
+      }
+      start_.push_back(static_cast<int>(place_.size()));
+    }
+    blocks_.assign(9 * place_.size() + 3, 0.0f);
+    inverse_.assign(9 * n + 3, 0.0f);
+    weight_.resize(n);
+    for (AxisValues* values : {&row_sum_, &refreshed_}) values->setZero(4, a.rows());
+    for (PaddedNodes* m : {&r_, &z_, &p_, &q_, &t_, &correction_, &sum_}) m->setZero(4, a.rows());
+  }
+
+  void size_links(int rows) {
+    link_size_.assign(static_cast<size_t>(rows), 0.0);
+    for (const ConstantLinks* links : links_) {
+      for (size_t row = 0; row < links->sum.size(); ++row) {
+        link_size_[static_cast<size_t>(links->first_node + links->node[row])] = std::sqrt(std::abs(links->sum[row]));
+      }
+    }
+  }
+
+  void sort_by_length(const BlockMatrix& a) {
+    std::vector<int> kept(node_.size(), 3), length(node_.size());
+    for (const ConstantLinks* links : links_) {
+      for (size_t row = 0; row < links->sum.size(); ++row) {
+        int& count = kept[static_cast<size_t>(links->first_node + links->node[row])];
+        for_each_kept(*links, row, [&](int, double) { ++count; });
+      }
+    }
+    for (size_t i = 0; i < node_.size(); ++i) {
+      length[i] = 1024 * (a.row_start()[i + 1] - a.row_start()[i]) + kept[i] / 4;
+    }
+    sort_in_windows([&](int i) { return length[static_cast<size_t>(i)]; }, &node_);
+  }
+
+  /// visit(node, stiffness) for the links of a row that count.
+  void for_each_kept(const ConstantLinks& links, size_t row, const std::function<void(int, double)>& visit) const {
+    const double least = kLeastLink * std::sqrt(std::abs(links.sum[row]));
+    for (int e = links.row_start[row]; e < links.row_start[row + 1]; ++e) {
+      const auto k = static_cast<size_t>(e);
+      const int j = links.first_node + static_cast<int>(links.place[k] / 4);
+      const double other = link_size_[static_cast<size_t>(j)];
+      if (links.stiffness[k] != 0.0 && std::abs(links.stiffness[k]) >= least * other) visit(j, links.stiffness[k]);
+    }
+  }
+
+  /// All links together. Nodes that are held take part in neither row nor column.
+  void lay_out_links(int rows) {
+    link_start_.clear();
+    link_place_.clear();
+    link_stiffness_.clear();
+    link_damping_.clear();
+    link_sum_.assign(static_cast<size_t>(rows), 0.0f);
+    held_links_.assign(static_cast<size_t>(rows), {0.0f, 0.0f});
+    if (links_.empty()) return;
+    struct Link {
+      int column;
+      float stiffness, damping;
+    };
+    std::vector<std::vector<Link>> by_row(static_cast<size_t>(rows));
+    for (const ConstantLinks* links : links_) {
+      for (size_t row = 0; row < links->sum.size(); ++row) {
+        const auto p = static_cast<size_t>(position_[static_cast<size_t>(links->first_node + links->node[row])]);
+        if (held_[p] != 0) continue;
+        for_each_kept(*links, row, [&](int j, double stiffness) {
+          const int other = position_[static_cast<size_t>(j)];
+          const auto k = static_cast<float>(stiffness), c = static_cast<float>(links->damping * stiffness);
+          if (is_held(other)) {
+            held_links_[p][0] += k;
+            held_links_[p][1] += c;
+          } else {
+            by_row[p].push_back({other, k, c});
+          }
+        });
+      }
+    }
+    link_start_.assign(1, 0);
+    for (auto& row : by_row) {
+      row.resize((row.size() + 3) / 4 * 4, {0, 0.0f, 0.0f});
+      for (const Link& link : row) {
+        link_place_.push_back(4U * static_cast<unsigned>(link.column));
+        link_stiffness_.push_back(link.stiffness);
+        link_damping_.push_back(link.damping);
+      }
+      link_start_.push_back(static_cast<int>(link_place_.size()));
+    }
+    link_value_.resize(link_place_.size());
+  }
+
+  /// k + c / tau, and the sums over rows.
+  void scale_links() {
+    const auto rate = static_cast<float>(1.0 / link_tau_);
+    for (size_t k = 0; k < link_value_.size(); ++k) link_value_[k] = link_stiffness_[k] + rate * link_damping_[k];
+    for (size_t p = 0; p + 1 < link_start_.size(); ++p) {
+      link_sum_[p] = held_links_[p][0] + rate * held_links_[p][1];
+      for (int k = link_start_[p]; k < link_start_[p + 1]; ++k) link_sum_[p] += link_value_[static_cast<size_t>(k)];
+    }
+  }
+
+  double total_weight(const BlockMatrix& a) const {
+    double sum = 0.0;
+    for (size_t p = 0; p < node_.size(); ++p)
+      for (int k = start_[p]; k < start_[p + 1]; ++k)
+        if (k != diagonal_[p]) sum += a.block(slot_[static_cast<size_t>(k)]).norm();
+    return sum;
+  }
+
+  /// A graph Laplacian in the solver's own order: of a block, and so of k n n^T, kWeight times the norm.
+  GraphMatrix laplacian_of(const BlockMatrix& a) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int p = 0; p < a.rows(); ++p) {
+      double degree = 0.0;
+      for (int k = start_[static_cast<size_t>(p)]; k < start_[static_cast<size_t>(p) + 1]; ++k) {
+        const auto column = static_cast<int>(place_[static_cast<size_t>(k)] / 4);
+        const double weight = kWeight * a.block(slot_[static_cast<size_t>(k)]).norm();
+        if (column == p || weight == 0.0) continue;
+        degree += weight;
+        entries.emplace_back(p, column, -weight);
+      }
+      entries.emplace_back(p, p, degree);
+    }
+    GraphMatrix laplacian(a.rows(), a.rows());
+    laplacian.setFromTriplets(entries.begin(), entries.end());
+    return laplacian;
+  }
+
+  /// Sweeps converge, and the preconditioner is definite, while their weight is below 2 / lambda_max(D^-1 A): 2 to 3 of
+  /// springs and membranes, more of plates and quadratic elements.
+  void set_weight(const BlockMatrix& a) {
+    weight_of_sweep_ = 1.0f;
+    copy(a);
+    const int n = static_cast<int>(node_.size());
+    for (Eigen::Index p = 0; p < z_.cols(); ++p) {
+      for (int axis = 0; axis < 3; ++axis) z_(axis, p) = std::sin(static_cast<float>(7 * p + 3 * axis) * 1.3f);
+    }
+    z_.normalize();
+    r_.setZero();
+    float largest = 0.0f;
+    for (int k = 0; k < kPowers; ++k) {
+      kernels_.residue(rows(), r_.data(), z_.data(), t_.data());
+      kernels_.sweep(n, inverse_.data(), t_.data(), z_.data());
+      largest = z_.norm();
+      z_ /= largest;
+    }
+    weight_of_sweep_ = std::min(kSmoothing, kBelowLimit / largest);
+  }
+
+  void copy(const BlockMatrix& a) {
+    kernels_.load({a.rows(), start_.data(), slot_.data(), diagonal_.data(), a.block(0).data()}, link_sum_.data(),
+                  weight_of_sweep_, blocks_.data(), inverse_.data(), row_sum_.data());
+  }
+
+  /// Single precision copy, inverse diagonal blocks, and new coarse levels if contacts have changed.
+  void load(const BlockMatrix& a) {
+    copy(a);
+    row_sum_ = row_sum_.cwiseMax(0.0f);
+    int stale = 0;
+    for (Eigen::Index p = 0; p < row_sum_.cols(); ++p) {
+      const auto now = row_sum_.col(p).array(), then = refreshed_.col(p).array();
+      if ((now > kStaleRatio * then).any() || (kStaleRatio * now < then).any()) ++stale;
+    }
+    if (stale * kStaleShare <= a.rows() && refreshed_(0, 0) > 0.0f) return;
+    refreshed_ = row_sum_;
+    coarse_works_ = coarse_.refresh(row_sum_) && !coarse_.empty();
+  }
+
+  /// z_ = M^-1 r_; returns r.z.
+  double precondition() {
+    const int n = static_cast<int>(node_.size());
+    kernels_.sweep(n, inverse_.data(), r_.data(), z_.data());
+    if (!coarse_works_) return dot(r_, z_);
+    const BlockRows a = rows();
+    kernels_.residue(a, r_.data(), z_.data(), t_.data());
+    coarse_.correct(t_, &correction_);
+    return kernels_.correct(a, inverse_.data(), t_.data(), correction_.data(), r_.data(), z_.data());
+  }
+
+  /// From zero: sum_ * unit_ is the solution. Returns the iterations spent.
+  int iterate(const Nodes& b, double reduction, int most, bool* solved) {
+    const int n = static_cast<int>(node_.size());
+    unit_ = b.cwiseAbs().maxCoeff();  // keeps single precision far from its ends
+    double squares = 0.0;
+    for (size_t p = 0; p < node_.size(); ++p) {
+      const auto column = static_cast<Eigen::Index>(p);
+      r_.col(column).head<3>() = (b.col(node_[p]) / unit_).cast<float>();
+      squares += static_cast<double>((weight_[p] * r_.col(column)).squaredNorm());
+    }
+    sum_.setZero();
+    p_.setZero();
+    *solved = false;
+    const BlockRows a = rows();
+    const LinkRows<float> links{link_start_.empty() ? 0 : n, link_start_.data(), link_place_.data(), link_value_.data(),
+                                link_sum_.data()};
+    double rz = 1.0;  // p_ is 0
+    for (int iteration = 1; iteration <= most; ++iteration) {
+      const double rz_new = precondition();
+      if (!(rz_new > 0.0) && coarse_works_) {  // not definite after all: from here on by sweeps alone
+        coarse_works_ = false;
+        p_.setZero();
+        rz = 1.0;
+        continue;
+      }
+      definite_ = definite_ && rz_new >= 0.0;
+      if (!(rz_new > 0.0)) return iteration;
+      kernels_.direct(n, z_.data(), static_cast<float>(rz_new / rz), p_.data());
+      rz = rz_new;
+      const double curvature = kernels_.product(a, links, p_.data(), q_.data());
+      definite_ = definite_ && curvature > 0.0;
+      if (!(curvature > 0.0)) return iteration;
+      const auto alpha = static_cast<float>(rz / curvature);
+      const double left = kernels_.advance(n, alpha, p_.data(), q_.data(), weight_.data(), sum_.data(), r_.data());
+      *solved = left <= reduction * reduction * squares;
+      if (*solved) return iteration;
+    }
+    return most;
+  }
+
+  BlockRows rows() const { return {static_cast<int>(node_.size()), start_.data(), place_.data(), blocks_.data()}; }
+
+  static double dot(const PaddedNodes& a, const PaddedNodes& b) {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < a.cols(); ++i) sum += static_cast<double>(a.col(i).dot(b.col(i)));
+    return sum;
+  }
+
+  const BlockKernels& kernels_;
+  AggregationMultigrid coarse_;
+  bool coarse_works_ = false;
+  float weight_of_sweep_ = kSmoothing;
+
+  // In the solver's own order.
+  std::vector<int> pattern_rows_, pattern_columns_, laid_out_held_;
+  double stiffness_ = 0.0;            // of all links of the coarse levels, N/m
+  std::vector<int> node_, position_;  // node at a position, position of a node
+  std::vector<char> held_;            // by position
+  std::vector<int> start_, slot_, diagonal_;
+  std::vector<unsigned> place_;  // four times the column
+  std::vector<float> blocks_;    // of the matrix, nine floats each, by columns
+  std::vector<float> inverse_;   // of the diagonal blocks, times the smoothing weight
+  std::vector<float> weight_;
+  AxisValues row_sum_, refreshed_;  // of the matrix at hand and of the coarse levels
+  PaddedNodes r_, z_, p_, q_, t_, correction_, sum_;
+
+  // Constant links, all together.
+  std::vector<const ConstantLinks*> links_;
+  double link_tau_ = 1.0;
+  std::vector<int> held_nodes_;
+  std::vector<double> link_size_;  // by node: square root of the row's sum
+  std::vector<int> link_start_;
+  std::vector<unsigned> link_place_;
+  std::vector<float> link_stiffness_, link_damping_;  // k in N/m, c in N s/m
+  std::vector<std::array<float, 2>> held_links_;      // k and c to held nodes, by row
+  std::vector<float> link_value_, link_sum_;          // k + c / tau
+
+  double unit_ = 1.0;
+  bool definite_ = true;  // as far as this solve has seen
+};
+
+}  // namespace
+
+std::unique_ptr<MultigridSolver> make_multigrid_solver() {
+  return std::make_unique<Solver>();
+}
+
+}  // namespace deformable_sim

@@ -1,0 +1,288 @@
+// Multigrid on aggregates: groups, the coarse correction, the kernels, and what conjugate gradients need with it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "deformable_sim/core/energy/constant_links.h"
+#include "deformable_sim/core/energy/shell_terms.h"
+#include "deformable_sim/core/linear/aggregation_multigrid.h"
+#include "deformable_sim/core/linear/multigrid_solver.h"
+#include "support/crooked_sheet.h"
+#include "support/system.h"
+
+namespace deformable_sim::test {
+namespace {
+
+Nodes noise(int n, double size, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal(0.0, size);
+  return Nodes::NullaryExpr(3, n, [&] { return normal(generator); });
+}
+
+PaddedNodes padded_noise(int n, unsigned seed) {
+  PaddedNodes x = PaddedNodes::Zero(4, n);
+  x.topRows<3>() = noise(n, 1.0, seed).cast<float>();
+  return x;
+}
+
+double dot(const PaddedNodes& a, const PaddedNodes& b) {
+  return a.cast<double>().cwiseProduct(b.cast<double>()).sum();
+}
+
+GraphMatrix laplacian_of(const TriangleMesh& mesh) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& [a, b] : edges_of(mesh)) {
+    for (const auto& [i, j] : {std::array<int, 2>{a, b}, std::array<int, 2>{b, a}}) {
+      entries.emplace_back(i, j, -100.0);
+      entries.emplace_back(i, i, 100.0);
+    }
+  }
+  GraphMatrix laplacian(mesh.rest.cols(), mesh.rest.cols());
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  return laplacian;
+}
+
+/// 5 to 15 N/m, other values on each axis.
+AxisValues sums(int n) {
+  AxisValues sum = AxisValues::Zero(4, n);
+  sum.topRows<3>() = noise(n, 1.0, 5).cast<float>().cwiseMin(2.0f).cwiseMax(-2.0f) * 2.5f;
+  sum.topRows<3>().array() += 10.0f;
+  return sum;
+}
+
+TEST(Aggregates, PartTheNodesIntoGroupsOfNeighbours) {
+  // A group is a node with all its neighbours, or has more that are linked to one of those; a lone node is in none.
+  const TriangleMesh mesh = crooked_sheet(12);
+  const GraphMatrix laplacian = laplacian_of(mesh);
+  GraphMatrix links(145, 145);  // one node more, alone
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < 144; ++i) {
+    for (GraphMatrix::InnerIterator it(laplacian, i); it; ++it) {
+      if (it.col() != i) entries.emplace_back(i, static_cast<int>(it.col()), -it.value());
+    }
+  }
+  links.setFromTriplets(entries.begin(), entries.end());
+  int count = 0, again = 0;
+  const std::vector<int> group = aggregates(links, &count);
+  EXPECT_EQ(group, aggregates(links, &again));
+  EXPECT_EQ(group[144], -1);
+  EXPECT_LT(count, 144 / 4);
+  EXPECT_GT(count, 144 / 16);
+  std::vector<int> size(static_cast<size_t>(count), 0);
+  for (int i = 0; i < 144; ++i) {
+    ASSERT_GE(group[static_cast<size_t>(i)], 0);
+    ++size[static_cast<size_t>(group[static_cast<size_t>(i)])];
+    int friends = 0;
+    for (GraphMatrix::InnerIterator it(links, i); it; ++it) {
+      friends += group[static_cast<size_t>(it.col())] == group[static_cast<size_t>(i)] ? 1 : 0;
+    }
+    EXPECT_GT(friends, 0);
+  }
+  EXPECT_GT(*std::min_element(size.begin(), size.end()), 2);
+}
+
+TEST(AggregationMultigrid, IsSymmetricAndPositive) {
+  // <C r, s> = <r, C s> and <r, C r> > 0 for smooth r; single precision.
+  const TriangleMesh mesh = crooked_sheet(40);
+  const int n = static_cast<int>(mesh.rest.cols());
+  for (const SimdLevel level : {SimdLevel::kSse2, simd_level()}) {
+    AggregationMultigrid coarse(block_kernels(level));
+    coarse.prepare(laplacian_of(mesh));
+    ASSERT_GE(coarse.sizes().size(), 2U);
+    ASSERT_TRUE(coarse.refresh(sums(n)));
+    PaddedNodes cr(4, n), cs(4, n);
+    for (unsigned seed = 1; seed < 5; ++seed) {
+      const PaddedNodes r = padded_noise(n, seed), s = padded_noise(n, seed + 50);
+      coarse.correct(r, &cr);
+      coarse.correct(s, &cs);
+      const double size = std::sqrt(dot(cr, r) * dot(cs, s));
+      EXPECT_NEAR(dot(cr, s), dot(r, cs), 1e-5 * size);
+      EXPECT_GT(dot(cr, r), 0.0);
+      EXPECT_EQ(cr.row(3).cwiseAbs().maxCoeff(), 0.0f);
+    }
+  }
+}
+
+TEST(AggregationMultigrid, SolvesExactlyForATranslationWithOneCoarseLevel) {
+  // (L + S) 1 = S 1, and coarse diagonals are P^T S 1 with P 1 = 1: the correction of it is 1.
+  const TriangleMesh mesh = crooked_sheet(12);
+  const int n = static_cast<int>(mesh.rest.cols());
+  AggregationMultigrid coarse(block_kernels(simd_level()));
+  coarse.prepare(laplacian_of(mesh));
+  ASSERT_EQ(coarse.sizes().size(), 1U);
+  const AxisValues sum = sums(n);
+  ASSERT_TRUE(coarse.refresh(sum));
+  PaddedNodes found(4, n);
+  coarse.correct(sum, &found);
+  EXPECT_LT((found.topRows<3>().array() - 1.0f).abs().maxCoeff(), 1e-5f);
+}
+
+TEST(AggregationMultigrid, GivesUpWhereALevelIsNotDefinite) {
+  const TriangleMesh mesh = crooked_sheet(12);
+  const int n = static_cast<int>(mesh.rest.cols());
+  AggregationMultigrid coarse(block_kernels(simd_level()));
+  coarse.prepare(laplacian_of(mesh));
+  EXPECT_FALSE(coarse.refresh(-sums(n)));
+  PaddedNodes found = padded_noise(n, 1);
+  coarse.correct(padded_noise(n, 2), &found);
+  EXPECT_EQ(found.cwiseAbs().maxCoeff(), 0.0f);
+}
+
+/// An implicit step's matrix of a crooked sheet of springs, 1 m wide, 0.2 kg/m^2, E h = 1e3 N/m, crumpled, one corner
+/// held, and quadratic bending apart from it.
+struct Sheet {
+  enum class Shape { kCrumpled, kStretched };
+  explicit Sheet(int side, Shape shape = Shape::kCrumpled)
+      : mesh(crooked_sheet(side)), body(mesh.rest, sheet_masses(mesh, 0.2)) {
+    SheetStiffness stiffness;
+    stiffness.membrane = 1e3;
+    body.add_springs(sheet_network(mesh, stiffness));
+    body.add(
+        make_quadratic_links("bending", quadratic_bending_weights(mesh, isotropic_bending(1e-5, 0.3)), kDamping, 0));
+    body.build_pattern();
+    if (shape == Shape::kCrumpled) {
+      body.state.x += noise(side * side, 0.05 / side, 3);
+    } else {
+      body.state.x *= 1.02;
+    }
+    blocks = whole = body.pattern;
+    for (const Energy* term : body.dynamics.energies) {
+      term->add_jacobian(body.state, 1.0, 1.0 / kTau, Jacobian::kProjected, &whole);
+      if (term->constant_links() == nullptr) {
+        term->add_jacobian(body.state, 1.0, 1.0 / kTau, Jacobian::kProjected, &blocks);
+      } else {
+        links.push_back(term->constant_links());
+      }
+    }
+    for (BlockMatrix* a : {&blocks, &whole}) {
+      for (int i = 0; i < a->rows(); ++i) {
+        a->block(a->diagonal_slot(i)).diagonal().array() += body.mass[i] / (kTau * kTau);
+      }
+      hold_first(a);
+    }
+    right_side = noise(side * side, 1.0, 7).array().rowwise() * body.mass.transpose().array();
+    right_side.col(0).setZero();
+    weight = body.mass.cwiseInverse();
+    weight[0] = 0.0;
+  }
+  static void hold_first(BlockMatrix* a) {
+    for (int k = a->row_start()[0]; k < a->row_start()[1]; ++k) {
+      const int j = a->column()[static_cast<size_t>(k)];
+      a->block(k).setZero();
+      a->block(a->slot(j, 0)).setZero();
+    }
+    a->block(a->diagonal_slot(0)).setIdentity();
+  }
+  LinearReport solve(double tolerance, Nodes* x) const {
+    const auto solver = make_multigrid_solver();
+    solver->set_links(links, kTau, {0});
+    solver->prepare(blocks);
+    x->setZero(3, blocks.rows());
+    LinearTolerance asked;
+    asked.relative = tolerance;
+    return solver->solve(blocks, right_side, weight, asked, x);
+  }
+
+  static constexpr double kTau = 1.0 / 180.0, kDamping = 0.01;  // s
+  TriangleMesh mesh;
+  System body;
+  BlockMatrix blocks, whole;
+  std::vector<const ConstantLinks*> links;
+  Nodes right_side;
+  Eigen::VectorXd weight;
+};
+
+Nodes exact(const BlockMatrix& a, const Sheet& sheet) {
+  Nodes x = Nodes::Zero(3, a.rows());
+  const auto direct = make_direct_solver();
+  direct->prepare(a);
+  direct->solve(a, sheet.right_side, sheet.weight, {}, &x);
+  return x;
+}
+
+TEST(MultigridSolver, SolvesWhatTheSparseFactorisationSolves) {
+  // A x = b to four digits of the residual, the most that single precision gives.
+  Sheet sheet(14);
+  sheet.links.clear();
+  Nodes found;
+  EXPECT_TRUE(sheet.solve(1e-9, &found).solved);
+  const Nodes expected = exact(sheet.blocks, sheet);
+  EXPECT_LT((found - expected).norm(), 1e-3 * expected.norm());
+}
+
+TEST(MultigridSolver, SeesLinksApartAsIfTheyWereInTheMatrix) {
+  // Left out are links of less than a hundredth of the rows' sums: of what the links change, less than a tenth is
+  // wrong.
+  const Sheet sheet(14);
+  Nodes found;
+  EXPECT_TRUE(sheet.solve(1e-4, &found).solved);
+  const Nodes expected = exact(sheet.whole, sheet), without = exact(sheet.blocks, sheet);
+  EXPECT_LT((found - expected).norm(), 0.1 * (without - expected).norm());
+}
+
+TEST(MultigridSolver, NeedsFewMoreIterationsOnLargerMeshes) {
+  // Of a sheet whose stiffness spreads far in a step; at most a half more for four times the nodes, and twice for
+  // sixteen times. With block Jacobi alone the number doubles with each, from 40 on.
+  std::vector<int> iterations;
+  for (const int side : {16, 32, 64}) {
+    Nodes x;
+    const LinearReport report = Sheet(side, Sheet::Shape::kStretched).solve(1e-3, &x);
+    EXPECT_TRUE(report.solved);
+    iterations.push_back(report.iterations);
+  }
+  EXPECT_LE(iterations[1], 1.5 * iterations[0]);
+  EXPECT_LE(iterations[2], 2.0 * iterations[0]);
+  EXPECT_LE(iterations[2], 20);
+}
+
+TEST(BlockKernels, EqualTheirPlainTwins) {
+  // Rounding of single precision: some 20 products a row.
+  const Sheet sheet(9);
+  const int n = sheet.blocks.rows();
+  std::vector<float> blocks(static_cast<size_t>(9 * sheet.blocks.block_count() + 3), 0.0f);
+  for (int k = 0; k < sheet.blocks.block_count(); ++k) {
+    for (int e = 0; e < 9; ++e)
+      blocks[static_cast<size_t>(9 * k + e)] = static_cast<float>(sheet.blocks.block(k).data()[e]);
+  }
+  std::vector<unsigned> place;
+  for (int column : sheet.blocks.column()) place.push_back(4U * static_cast<unsigned>(column));
+  const BlockRows a{n, sheet.blocks.row_start().data(), place.data(), blocks.data()};
+  const ConstantLinks& links = *sheet.links[0];
+  const std::vector<float> values(links.stiffness.begin(), links.stiffness.end()),
+      sum(links.sum.begin(), links.sum.end());
+  const LinkRows<float> k{n, links.row_start.data(), links.place.data(), values.data(), sum.data()};
+  const PaddedNodes p = padded_noise(n, 1), r = padded_noise(n, 2);
+  const Nodes y = p.topRows<3>().cast<double>();
+  Nodes ap, neighbours = Nodes::Zero(3, n), kp = neighbours, force = neighbours;
+  sheet.blocks.multiply(y, &ap);
+  for (int row = 0; row < n; ++row) {
+    const auto at = static_cast<size_t>(row);
+    for (int e = links.row_start[at]; e < links.row_start[at + 1]; ++e) {
+      neighbours.col(row) += links.stiffness[static_cast<size_t>(e)] * y.col(links.place[static_cast<size_t>(e)] / 4);
+    }
+    kp.col(row) = links.sum[at] * y.col(row) - neighbours.col(row);
+    force.col(links.node[at]) = neighbours.col(row) - links.sum[at] * y.col(links.node[at]);
+  }
+  const double size = ap.norm() / std::sqrt(n);
+  for (const SimdLevel level : {SimdLevel::kSse2, simd_level()}) {
+    const BlockKernels& kernels = block_kernels(level);
+    PaddedNodes q(4, n), t(4, n);
+    const double pq = kernels.product(a, k, p.data(), q.data());
+    EXPECT_LT((q.topRows<3>().cast<double>() - ap - kp).cwiseAbs().maxCoeff(), 1e-5 * size);
+    EXPECT_NEAR(pq, dot(p, q), 1e-5 * std::abs(pq));
+    EXPECT_EQ(q.row(3).cwiseAbs().maxCoeff(), 0.0f);
+    kernels.residue(a, r.data(), p.data(), t.data());
+    EXPECT_LT((t.topRows<3>().cast<double>() - r.topRows<3>().cast<double>() + ap).cwiseAbs().maxCoeff(), 1e-5 * size);
+    Nodes f = Nodes::Ones(3, n);
+    Eigen::Matrix4Xd padded = Eigen::Matrix4Xd::Zero(4, n);
+    padded.topRows<3>() = y;
+    kernels.add_links({n, links.row_start.data(), links.place.data(), links.stiffness.data(), links.sum.data()},
+                      links.node.data(), padded.data(), f.data());
+    EXPECT_LT((f - Nodes::Ones(3, n) - force).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace deformable_sim::test
