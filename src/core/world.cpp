@@ -247,6 +247,7 @@ bool World::Parts::is_poor(int refinement) const {
   // What an implicit contact gives way shrinks with the square of the part. A point far behind its plane is about to be
   // lost on the other side: worth more.
   if (violation > kLost) return refinement < kMaxHalvings;
+  if (settings.repeat == RepeatSteps::kLost) return false;
   if (violation > kViolation) return refinement < kMaxRefinements;
   return refinement == 0 && dynamics.pattern != nullptr && !report.converged && report.residual > kGrossResidual;
 }

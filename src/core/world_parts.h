@@ -56,6 +56,7 @@ struct World::Parts {
   double excess = 0.0;     // over the worst strain limit, relative, after the projection
   bool limits_met = true;
   CostWindow cost, last_cost;
+  std::vector<int> body_of_energy;  // of the model's; found when energies are first reported
 
   // Largest stable step of an explicit scheme, s, and how many steps ago it was measured; infinite for implicit ones.
   double stable_dt = 0.0;
@@ -87,6 +88,8 @@ struct World::Parts {
   /// Parts that this step needs: 1, or more for an explicit scheme past its stability limit.
   int wanted_parts();
   std::vector<std::string> warnings() const;
+  /// Elastic energies of the bodies.
+  void add_elastic_energies(std::vector<BodyReport>* reports);
 };
 
 /// Thread CPU time, s.

@@ -31,6 +31,7 @@ void add_kinetic_energy(const Model& model, int first, int count, const State& s
       *sum += 0.5 * it.value() * s.v.col(it.row()).dot(s.v.col(j));
 }
 
+/// All of a report but the elastic energy and the contacts.
 BodyReport report_of(const Model& model, const Body& body, const State& s) {
   BodyReport r;
   add_kinetic_energy(model, body.first_node, body.node_count, s, &r.kinetic_energy);
@@ -158,8 +159,18 @@ std::vector<std::string> World::Parts::warnings() const {
   return warnings;
 }
 
-Snapshot World::snapshot() const {
-  const Parts& w = *parts_;
+void World::Parts::add_elastic_energies(std::vector<BodyReport>* reports) {
+  if (body_of_energy.empty()) {
+    for (const auto& e : model->energies) body_of_energy.push_back(body_of(*model, *e));
+  }
+  for (size_t k = 0; k < body_of_energy.size(); ++k) {
+    if (body_of_energy[k] < 0) continue;
+    (*reports)[static_cast<size_t>(body_of_energy[k])].elastic_energy += model->energies[k]->value(state);
+  }
+}
+
+Snapshot World::snapshot(SnapshotDetail detail) const {
+  Parts& w = *parts_;
   Snapshot s;
   s.time = w.state.time;
   s.step = w.step_count;
@@ -167,10 +178,10 @@ Snapshot World::snapshot() const {
   s.x = w.state.x;
   s.v = w.state.v;
   copy_rod_frames(*w.model, w.state, &s);
-  for (const Body& b : w.model->bodies) s.bodies.push_back(report_of(*w.model, b, w.state));
-  for (const auto& e : w.model->energies) {
-    const int body = body_of(*w.model, *e);
-    if (body >= 0) s.bodies[static_cast<size_t>(body)].elastic_energy += e->value(w.state);
+  s.bodies.resize(w.model->bodies.size());
+  if (detail == SnapshotDetail::kReports) {
+    for (size_t b = 0; b < s.bodies.size(); ++b) s.bodies[b] = report_of(*w.model, w.model->bodies[b], w.state);
+    w.add_elastic_energies(&s.bodies);
   }
   count_contacts(*w.model, w.dynamics.contacts, &s);
   s.grasps = w.grasps.reports();

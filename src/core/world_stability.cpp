@@ -16,7 +16,7 @@ constexpr double kLeastDamping = 0.005;
 
 }  // namespace
 
-double highest_damping_rate(const Dynamics& d, const State& s) {
+double highest_damping_rate(const Dynamics& d, const State& s, Effort effort) {
   const Eigen::Index n = s.x.cols();
   std::vector<char> held(static_cast<size_t>(n), 0);
   for (int node : d.kinematics.node) held[static_cast<size_t>(node)] = 1;
@@ -36,6 +36,7 @@ double highest_damping_rate(const Dynamics& d, const State& s) {
   for (Eigen::Index i = 0; i < w.size(); ++i) w.data()[i] = std::sin(12.9898 * static_cast<double>(i + 1));
   constexpr double kProbe = 1e-4;  // m/s, largest component: small against the speeds of drag, large against rounding
   State probe = s;
+  const double change = effort == Effort::kRough ? 2e-2 : 1e-3;
   double rate = 0.0;
   for (int iteration = 0; iteration < 60; ++iteration) {
     for (Eigen::Index i = 0; i < n; ++i)
@@ -52,7 +53,7 @@ double highest_damping_rate(const Dynamics& d, const State& s) {
     }
     const double next = image.norm() / w.norm();
     w = image;
-    const bool settled = std::abs(next - rate) < 1e-3 * next;
+    const bool settled = std::abs(next - rate) < change * next;
     rate = next;
     if (settled) break;
   }

@@ -102,12 +102,23 @@ bool Outputs::offer(const World& world, std::uint64_t version, Motion motion, co
   }
   if (!any) return later;
   auto instant = std::make_shared<Instant>(run());
-  instant->snapshot = world.snapshot();
+  instant->snapshot = world.snapshot(wanted_detail());
   instant->warnings.insert(instant->warnings.begin(), instant->snapshot.warnings.begin(),
                            instant->snapshot.warnings.end());
   ++snapshots_;
   send({publishers_, std::move(instant), now_});
   return later;
+}
+
+/// Of what is due now, and of what the publishing thread has not come to: the next letter stands in for that one too.
+SnapshotDetail Outputs::wanted_detail() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool waits = letter_ && letter_->publishers == publishers_;
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const bool due = now_[i] || (waits && letter_->due[i]);
+    if (due && publishers_->entries[i].publisher->detail() == SnapshotDetail::kReports) return SnapshotDetail::kReports;
+  }
+  return SnapshotDetail::kMotion;
 }
 
 void Outputs::send(Letter letter) {

@@ -316,14 +316,14 @@ void Simulation::begin_world() {
   pacer_.restart(scene_.world->time());
   speed_.pause();
   ++version_;
-  follower_.begin(scene_.attached, scene_.world->snapshot().grasps);
+  follower_.begin(scene_.attached, scene_.world->grasp_reports());
   note_grasps();
   if (time_changed_) time_changed_(scene_.world->time());
 }
 
 void Simulation::note_grasps() {
   std::vector<std::string> names;
-  for (const GraspReport& grasp : scene_.world->snapshot().grasps) names.push_back(grasp.name);
+  for (const GraspReport& grasp : scene_.world->grasp_reports()) names.push_back(grasp.name);
   grasps_changed_(names, scene_.publishers);
 }
 
@@ -347,8 +347,9 @@ std::string Simulation::description() const {
   if (!scene_.spec.title.empty()) text << "\ntitle: " << scene_.spec.title;
   text << "\nclock: " << to_string(parameters_.clock) << "\ntime: " << world.time()
        << " s\nsteps: " << world.step_count() << "\nstep: " << world.settings().dt << " s, "
-       << world.settings().integrator << "\nsolver: "
-       << (world.settings().chosen.empty() ? "as the scene says" : world.settings().chosen) << "\nstate: "
+       << world.settings().integrator
+       << "\nsolver: " << (world.settings().chosen.empty() ? "as the scene says" : world.settings().chosen)
+       << "\nstate: "
        << (!failure_.empty() ? "failed: " + failure_
            : wants_to_step() ? "running"
                              : "paused")

@@ -111,32 +111,31 @@ BendingMaterial bending_material(const BodySpec& spec, const TriangleMesh& mesh)
   return bending;
 }
 
-bool bends_by_differences(const BodySpec& spec, const TriangleMesh& mesh) {
-  return mesh.is_grid() && bending_of(spec) == ClothBending::kQuadratic;
+/// Of quadratic bending on a grid; empty for all other bending.
+std::vector<QuadraticWeight> bending_differences(const BodySpec& spec, const TriangleMesh& mesh) {
+  if (!mesh.is_grid() || bending_of(spec) != ClothBending::kQuadratic) return {};
+  return grid_bending_weights(mesh, bending_material(spec, mesh));
 }
 
-void add_quadratic_bending(const BodySpec& spec, const TriangleMesh& mesh, int first_node, Parts* parts) {
-  const BendingMaterial bending = bending_material(spec, mesh);
+void add_quadratic_bending(const BodySpec& spec, const TriangleMesh& mesh,
+                           const std::vector<QuadraticWeight>& differences, int first_node, Parts* parts) {
   parts->terms.push_back(make_quadratic_links(
       "bending: quadratic",
-      bends_by_differences(spec, mesh) ? grid_bending_weights(mesh, bending) : quadratic_bending_weights(mesh, bending),
+      mesh.is_grid() ? differences : quadratic_bending_weights(mesh, bending_material(spec, mesh)),
       bending_damping(spec), first_node));
 }
 
 /// What fast kernels see of a grid of springs.
-void add_grid(const BodySpec& spec, const TriangleMesh& mesh, const SpringNetwork& network, int first_node,
-              Parts* parts) {
-  std::vector<QuadraticWeight> weights;
+void add_grid(const BodySpec& spec, const TriangleMesh& mesh, const SpringNetwork& network,
+              const std::vector<QuadraticWeight>& differences, int first_node, Parts* parts) {
   std::vector<const Energy*> replaces;
-  if (bends_by_differences(spec, mesh)) {
-    weights = grid_bending_weights(mesh, bending_material(spec, mesh));
-    replaces.push_back(parts->terms.back().get());
-  }
-  auto sheet = make_grid_sheet(mesh, network, weights, bending_damping(spec), first_node);
+  if (bending_of(spec) == ClothBending::kQuadratic) replaces.push_back(parts->terms.back().get());
+  auto sheet = make_grid_sheet(mesh, network, differences, bending_damping(spec), first_node);
   if (sheet) parts->grids.push_back({std::move(*sheet), parts->springs.size() - 1, std::move(replaces)});
 }
 
-void add_bending(const BodySpec& spec, const TriangleMesh& mesh, int first_node, Parts* parts) {
+void add_bending(const BodySpec& spec, const TriangleMesh& mesh, const std::vector<QuadraticWeight>& differences,
+                 int first_node, Parts* parts) {
   switch (bending_of(spec)) {
     case ClothBending::kSprings:
       break;
@@ -144,7 +143,7 @@ void add_bending(const BodySpec& spec, const TriangleMesh& mesh, int first_node,
       parts->terms.push_back(make_bending(mesh, bending_material(spec, mesh), first_node));
       break;
     case ClothBending::kQuadratic:
-      add_quadratic_bending(spec, mesh, first_node, parts);
+      add_quadratic_bending(spec, mesh, differences, first_node, parts);
       break;
   }
 }
@@ -195,9 +194,10 @@ void add_cloth(const BodySpec& spec, Body* body, Parts* parts) {
     note_gap(spec, *mesh, network, parts);
     structural = network.stretch;
   }
-  add_bending(spec, *mesh, body->first_node, parts);
+  const std::vector<QuadraticWeight> differences = bending_differences(spec, *mesh);
+  add_bending(spec, *mesh, differences, body->first_node, parts);
   if (mesh->is_grid() && spec.cloth.model != ClothModel::kMembrane) {
-    add_grid(spec, *mesh, network, body->first_node, parts);
+    add_grid(spec, *mesh, network, differences, body->first_node, parts);
   }
   add_strain_edges(structural, body);
   if (spec.cloth.strain_limit) {

@@ -37,7 +37,8 @@ double stable_step_of(const Model& model) {
   if (model.mass_matrix.nonZeros() > 0) d.mass_matrix = &model.mass_matrix;
   for (const auto& energy : model.energies) d.energies.push_back(energy.get());
   const std::unique_ptr<Integrator> scheme = make_integrator("velocity_verlet", {});
-  return stable_step(*scheme, highest_frequency(d, model.initial), highest_damping_rate(d, model.initial));
+  return stable_step(*scheme, highest_frequency(d, model.initial, Effort::kRough),
+                     highest_damping_rate(d, model.initial, Effort::kRough));
 }
 
 }  // namespace

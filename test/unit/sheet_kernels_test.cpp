@@ -59,6 +59,22 @@ TEST(GridSheet, IsMadeOfUniformNetworksOnly) {
   EXPECT_FALSE(make_grid_sheet(no_grid, good, {}, 0.0, 0));
 }
 
+TEST(GridBending, GivesEachPairOfNodesOneWeight) {
+  // E = sum w_ij |x_i - x_j|^2 / 2 over pairs i < j in order, at most two cells apart; 3 x 3 and 2 x n are the least.
+  for (const auto& [nx, ny] : {std::array<int, 2>{{1, 1}}, {{2, 2}}, {{1, 5}}, {{5, 1}}, {{7, 4}}}) {
+    const TriangleMesh mesh = make_grid(0.1 * nx, 0.07 * ny, nx, ny);
+    std::array<int, 2> last{{-1, -1}};
+    for (const QuadraticWeight& w : grid_bending_weights(mesh, isotropic_bending(0.02, 0.3))) {
+      const std::array<int, 2> pair{{w.a, w.b}};
+      EXPECT_LT(last, pair) << nx << " x " << ny;
+      EXPECT_LT(w.a, w.b);
+      const int rows = w.b / mesh.cols - w.a / mesh.cols, cols = std::abs(w.b % mesh.cols - w.a % mesh.cols);
+      EXPECT_LE(rows + cols, 2) << nx << " x " << ny << ": " << w.a << ", " << w.b;
+      last = pair;
+    }
+  }
+}
+
 TEST(GridBending, HasThePlateEnergyOfUniformCurvatureInAnyDirection) {
   // z = 1/2 (a x^2 + 2 b x y + c y^2): E / A = 1/2 k^T D k, k = (a, c, 2 b), per inner node and cell.
   const TriangleMesh mesh = make_grid(0.6, 0.5, 6, 8);

@@ -34,6 +34,24 @@ TEST(Snapshot, BalancesTheEnergyOfABody) {
   EXPECT_NEAR(s.bodies[0].max_strain, 0.0, 1e-12);
 }
 
+TEST(Snapshot, OfTheMotionAloneLeavesEnergiesAndStrainsOut) {
+  // The same nodes; energies of a stretched, moving sheet only where they were asked for.
+  test::Sheet sheet;
+  sheet.cells_x = sheet.cells_y = 4;
+  World world(test::sheet_model(sheet), WorldSettings(), {}, {});
+  const Nodes x = 1.1 * world.state().x;
+  ASSERT_TRUE(world.apply(command::SetBodyState{world.model().bodies[0].name, x, x}).status.ok());
+  const Snapshot whole = world.snapshot(), motion = world.snapshot(SnapshotDetail::kMotion);
+  EXPECT_EQ(motion.x, whole.x);
+  EXPECT_EQ(motion.v, whole.v);
+  ASSERT_EQ(motion.bodies.size(), whole.bodies.size());
+  EXPECT_GT(whole.bodies[0].elastic_energy, 0.0);
+  EXPECT_NEAR(whole.bodies[0].max_strain, 0.1, 1e-12);
+  EXPECT_EQ(motion.bodies[0].elastic_energy, 0.0);
+  EXPECT_EQ(motion.bodies[0].kinetic_energy, 0.0);
+  EXPECT_EQ(motion.bodies[0].max_strain, 0.0);
+}
+
 TEST(Snapshot, CountsElasticEnergyWithTheBodyItBelongsTo) {
   // Two springs, k (l - L)^2 / 2 each, of two bodies: 1000 N/m by 10 mm and 20 mm.
   Nodes x = Nodes::Zero(3, 4);

@@ -22,6 +22,9 @@ struct BodyReport {
   int contacts = 0;               // contact points with a force
 };
 
+/// How much of it is filled.
+enum class SnapshotDetail { kMotion, kReports };
+
 struct PartCost {
   std::string part;
   double seconds_per_second = 0.0;  // thread CPU s per simulated s, over the last 50 steps or so
@@ -36,7 +39,7 @@ struct Snapshot {
   // tangent it is normal to (unit; the second director is tangent x first). Empty without such rods.
   Nodes directors, tangents;
   RodState rods;                   // of those segments, for SetBodyState
-  std::vector<BodyReport> bodies;  // parallel to model->bodies
+  std::vector<BodyReport> bodies;  // parallel to model->bodies; kMotion: contacts only
   Eigen::VectorXf contact_force;   // N at each node, normal and friction; empty when nothing touches
   std::vector<GraspReport> grasps;
   std::vector<Collider> colliders;

@@ -13,9 +13,15 @@
 
 namespace deformable_sim {
 
+/// Which steps are made again in two parts, and in more: those that end far from their solution or with contacts deep
+/// inside, or only those whose contacts are about to be lost on the other side, so that the cost of a step is bounded.
+/// Steps without a finite state always are.
+enum class RepeatSteps { kPoor, kLost };
+
 struct WorldSettings {
   double dt = 0.01;  // s, one step
   int parts = 1;     // that a step is taken in, at least
+  RepeatSteps repeat = RepeatSteps::kPoor;
   std::string integrator = "implicit_euler";
   SolverSettings solver;
   std::string chosen;               // why these, where the scene left it open; shown to people
@@ -56,7 +62,8 @@ class World {
   const Model& model() const;
   std::shared_ptr<const Model> shared_model() const;
   const WorldSettings& settings() const;
-  Snapshot snapshot() const;
+  /// kMotion leaves energies and strains of the bodies out, which cost about as much as the forces.
+  Snapshot snapshot(SnapshotDetail detail = SnapshotDetail::kReports) const;
   /// Of the snapshot, the grasps alone.
   std::vector<GraspReport> grasp_reports() const;
   std::vector<BillItem> bill() const;

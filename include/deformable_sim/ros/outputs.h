@@ -64,6 +64,7 @@ class Outputs {
 
   bool is_due(const PublisherSet::Entry& entry, const Due& due, double time, double dt, std::uint64_t version,
               Motion motion, bool* later) const;
+  SnapshotDetail wanted_detail();
   void send(Letter letter);
   void publish_loop();
 

@@ -14,14 +14,19 @@ namespace deformable_sim {
 namespace {
 
 constexpr int kMostSteps = 200;
-constexpr int kCheckEvery = 10;
-constexpr double kChange = 1e-4;  // of the eigenvalue between two checks
+
+/// When Lanczos' method ends.
+struct Patience {
+  int check_every;
+  double change;  // of the eigenvalue between two checks
+};
+constexpr Patience kFine{10, 1e-4}, kRough{5, 2e-2};
 
 /// M^(-1/2) K M^(-1/2), or L^-1 K L^-T of a mass matrix L L^T, by central differences of the forces: no matrix of K has
 /// to exist.
 class MassScaledStiffness {
  public:
-  MassScaledStiffness(const Dynamics& d, const State& s) : dynamics_(d), rest_(s), moved_(s) {
+  MassScaledStiffness(const Dynamics& d, const State& s, Effort effort) : dynamics_(d), rest_(s), moved_(s) {
     root_ = d.mass->cwiseSqrt().cwiseInverse();
     for (int node : d.kinematics.node) root_[node] = 0.0;
     if (d.mass_matrix != nullptr) {
@@ -30,6 +35,7 @@ class MassScaledStiffness {
     }
     const double extent = (s.x.rowwise().maxCoeff() - s.x.rowwise().minCoeff()).norm();
     step_ = 1e-7 * (extent > 0.0 ? extent : 1.0);
+    if (effort == Effort::kRough) rest_force_ = force(0.0, Nodes::Zero(3, s.x.cols()));
   }
 
   Nodes times(const Nodes& q) {
@@ -42,7 +48,8 @@ class MassScaledStiffness {
     const double scale = direction.cwiseAbs().maxCoeff();
     if (!(scale > 0.0)) return Nodes::Zero(3, q.cols());
     const double h = step_ / scale;
-    Nodes image = (force(-h, direction) - force(h, direction)) / (2.0 * h);
+    Nodes image = rest_force_.cols() > 0 ? Nodes((rest_force_ - force(h, direction)) / h)
+                                         : Nodes((force(-h, direction) - force(h, direction)) / (2.0 * h));
     if (mass_factor_) {
       mass_factor_->solve_lower(&image);
     } else {
@@ -66,6 +73,7 @@ class MassScaledStiffness {
   State moved_;
   Eigen::VectorXd root_;  // m^(-1/2), 0 for held nodes
   double step_;           // m
+  Nodes rest_force_;      // of one-sided differences
   std::unique_ptr<MassFactor> mass_factor_;
 };
 
@@ -90,8 +98,9 @@ double largest_of_tridiagonal(const std::vector<double>& alpha, const std::vecto
 
 }  // namespace
 
-double highest_frequency(const Dynamics& d, const State& s) {
-  MassScaledStiffness stiffness(d, s);
+double highest_frequency(const Dynamics& d, const State& s, Effort effort) {
+  const Patience patience = effort == Effort::kRough ? kRough : kFine;
+  MassScaledStiffness stiffness(d, s, effort);
   Nodes q = start_vector(s.x.cols());
   for (Eigen::Index i = 0; i < q.cols(); ++i) {
     if (stiffness.root()[i] == 0.0) q.col(i).setZero();
@@ -109,9 +118,9 @@ double highest_frequency(const Dynamics& d, const State& s) {
     if (k > 1) next -= beta.back() * last;
     const double norm = next.norm();
     const bool exhausted = norm <= 1e-6 * std::abs(alpha.front()) || norm == 0.0;
-    if (exhausted || k % kCheckEvery == 0) {
+    if (exhausted || k % patience.check_every == 0) {
       const double largest = largest_of_tridiagonal(alpha, beta);
-      const bool settled = std::abs(largest - found) <= kChange * std::abs(largest);
+      const bool settled = std::abs(largest - found) <= patience.change * std::abs(largest);
       found = largest;
       if (exhausted || settled) break;
     }

@@ -6,9 +6,10 @@
 // a = dx dy. On a free edge a is half of that, there is no kxx or no kyy across the edge, and the sheet takes the
 // curvature across that leaves no moment, which lowers D11 to D11 - D12^2 / D22: a narrow strip is as stiff as one of
 // any width.
+#include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -18,33 +19,64 @@
 namespace deformable_sim {
 namespace {
 
-using Curvature = std::vector<std::pair<int, double>>;  // of nodes, 1/m^2 each
+/// Of up to four nodes, 1/m^2 each.
+struct Curvature {
+  std::array<std::pair<int, double>, 4> by;
+  size_t count = 0;
+};
 
 class Weights {
  public:
+  explicit Weights(int node_count) : of_(static_cast<size_t>(node_count)) {}
+
   /// E += factor/2 a.b, b.a to follow or the same.
   void add(double factor, const Curvature& a, const Curvature& b) {
-    for (const auto& [i, by_i] : a) {
-      for (const auto& [j, by_j] : b) {
-        if (i < j) weight_[{i, j}] -= factor * by_i * by_j;
+    for (size_t i = 0; i < a.count; ++i) {
+      for (size_t j = 0; j < b.count; ++j) {
+        if (a.by[i].first < b.by[j].first) {
+          at(a.by[i].first, b.by[j].first) -= factor * a.by[i].second * b.by[j].second;
+        }
       }
     }
   }
-  std::vector<QuadraticWeight> list() const {
+
+  /// By a, then b.
+  std::vector<QuadraticWeight> list() {
     std::vector<QuadraticWeight> all;
-    for (const auto& [pair, weight] : weight_) {
-      if (weight != 0.0) all.push_back({pair[0], pair[1], weight});
+    all.reserve(kNeighbours * of_.size());
+    for (size_t a = 0; a < of_.size(); ++a) {
+      Row& row = of_[a];
+      std::sort(row.to.begin(), row.to.begin() + static_cast<std::ptrdiff_t>(row.count));
+      for (size_t k = 0; k < row.count; ++k) {
+        if (row.to[k].second != 0.0) all.push_back({static_cast<int>(a), row.to[k].first, row.to[k].second});
+      }
     }
     return all;
   }
 
  private:
-  std::map<std::array<int, 2>, double> weight_;
+  static constexpr size_t kNeighbours = 6;  // of higher number: two along the row, three in the next, one after that
+  struct Row {
+    std::array<std::pair<int, double>, kNeighbours> to;
+    size_t count = 0;
+  };
+
+  double& at(int a, int b) {
+    Row& row = of_[static_cast<size_t>(a)];
+    for (size_t k = 0; k < row.count; ++k) {
+      if (row.to[k].first == b) return row.to[k].second;
+    }
+    assert(row.count < kNeighbours);
+    row.to[row.count] = {b, 0.0};
+    return row.to[row.count++].second;
+  }
+
+  std::vector<Row> of_;
 };
 
 Curvature second_difference(int node, int step, double h) {
   const double w = 1.0 / (h * h);
-  return {{node - step, w}, {node, -2.0 * w}, {node + step, w}};
+  return {{{{node - step, w}, {node, -2.0 * w}, {node + step, w}}}, 3};
 }
 
 }  // namespace
@@ -56,7 +88,7 @@ std::vector<QuadraticWeight> grid_bending_weights(const TriangleMesh& grid, cons
   const double dx = (grid.rest.col(1) - grid.rest.col(0)).norm();
   const double dy = (grid.rest.col(grid.cols) - grid.rest.col(0)).norm();
   const double area = dx * dy;
-  Weights weights;
+  Weights weights(grid.rows * grid.cols);
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
       const int node = row * grid.cols + col;
@@ -75,7 +107,7 @@ std::vector<QuadraticWeight> grid_bending_weights(const TriangleMesh& grid, cons
       }
       if (row + 1 == grid.rows || col + 1 == grid.cols) continue;
       const double w = 2.0 / area;  // of 2 kxy
-      const Curvature twist{{node, w}, {node + 1, -w}, {node + grid.cols, -w}, {node + grid.cols + 1, w}};
+      const Curvature twist{{{{node, w}, {node + 1, -w}, {node + grid.cols, -w}, {node + grid.cols + 1, w}}}, 4};
       weights.add(area * d(2, 2), twist, twist);
     }
   }

@@ -14,6 +14,8 @@ class BodyStates : public TopicsPublisher {
     }
   }
 
+  SnapshotDetail detail() const override { return SnapshotDetail::kReports; }
+
   void publish(const Instant& instant) override {
     for (std::size_t body = 0; body < topics_.size(); ++body) {
       if (!topics_[body].wanted()) continue;

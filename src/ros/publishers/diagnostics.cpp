@@ -18,6 +18,8 @@ class Diagnostics : public TopicsPublisher {
     topics_.push_back(Topic::advertise<diagnostic_msgs::DiagnosticArray>(context, "/diagnostics"));
   }
 
+  SnapshotDetail detail() const override { return SnapshotDetail::kReports; }
+
   void publish(const Instant& instant) override {
     diagnostic_updater::DiagnosticStatusWrapper status;
     using Level = diagnostic_msgs::DiagnosticStatus;

@@ -14,6 +14,8 @@ class StatusPublisher : public TopicsPublisher {
     topics_.push_back(Topic::advertise<msg::SimStatus>(context, "status"));
   }
 
+  SnapshotDetail detail() const override { return SnapshotDetail::kReports; }
+
   void publish(const Instant& instant) override {
     const Snapshot& snapshot = instant.snapshot;
     msg::SimStatus message;

@@ -77,6 +77,8 @@ class Publisher {
   /// Grows whenever a subscriber comes.
   virtual unsigned joined() const = 0;
   virtual void publish(const Instant& instant) = 0;
+  /// What it shows of a snapshot; the same at any time.
+  virtual SnapshotDetail detail() const { return SnapshotDetail::kMotion; }
   /// Grasps came or went.
   virtual void update(const std::vector<std::string>& /*grasp_names*/) {}
 };
