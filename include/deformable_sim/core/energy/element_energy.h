@@ -53,6 +53,7 @@ class ElementEnergy : public Energy {
 
   std::string name() const override { return name_; }
   int element_count() const override { return static_cast<int>(elements_.size()); }
+  const std::vector<Element>& elements() const { return elements_; }
 
   double value(const State& s) const override {
     [[maybe_unused]] const typename E::Context context = E::context(parameters_, s.time);
