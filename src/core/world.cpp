@@ -160,7 +160,9 @@ void World::Parts::restore_last_good() {
 
 bool World::Parts::state_is_sane() const {
   // An implicit step whose forces are not numbers leaves a finite state and a residual that is none.
-  return state.finite() && report.residual <= kDiverged && state.x.cwiseAbs().maxCoeff() <= kFurthest;
+  // Largest values that no NaN hides from.
+  return report.residual <= kDiverged && state.x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kFurthest &&
+         std::isfinite(state.v.cwiseAbs().maxCoeff<Eigen::PropagateNaN>());
 }
 
 double World::Parts::clock() const {

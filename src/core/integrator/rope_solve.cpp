@@ -114,7 +114,7 @@ void RopeSolve::lay_out() {
     p.mass = Two{k < chain_.count ? mass_[k] : 0.0, other < chain_.count ? mass_[other] : 0.0};
     if (spans_.empty()) continue;
     const RopeChain::Spring c = spring_at(chain_.spans, k), e = spring_at(chain_.spans, other - 2);
-    spans_[static_cast<size_t>(k)] = {Two{c.stiffness, e.stiffness}, Two{c.length, e.length}, Two{}, {}};
+    spans_[static_cast<size_t>(k)] = {Two{c.stiffness, e.stiffness}, Two{c.length, e.length}, Two{}, {}, {}};
   }
   system_.place = places_.data();
   system_.factor = factors_.data();

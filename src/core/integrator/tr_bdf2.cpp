@@ -62,7 +62,7 @@ StepReport TrBdf2Step::advance(double dt, StageSolver* stage, Dynamics* d, State
   std::swap(s->v, stage->end().v);
   s->time += dt;
   if (stage->extrapolates()) remember(dt, *d, s);
-  mean_force_ += kEndWeight * stage->force();
+  for (int node : d->kinematics.node) mean_force_.col(node) += kEndWeight * stage->force().col(node);
   average_reactions(dt, v_start_, s->v, mean_force_, d);
   report.converged = report.converged && s->finite();
   return report;
@@ -101,8 +101,11 @@ StepReport TrBdf2Step::first_stage(double dt, StageSolver* stage, Dynamics* d, S
   equation.remaining = dt - equation.duration;
   StepReport report = stage->solve(equation, *s, *d);
   if (!known) ++report.force_evaluations;
-  mean_force_ = kOuterWeight * (force_ + stage->force());
-  force_ = stage->force();
+  mean_force_.resize(3, s->x.cols());
+  for (int node : d->kinematics.node) {
+    mean_force_.col(node) = kOuterWeight * (force_.col(node) + stage->force().col(node));
+  }
+  if (!stage->extrapolates()) force_ = stage->force();
   stage->report_contacts(&d->contacts);
   contact_force_.clear();
   for (const ContactConstraint& c : d->contacts) contact_force_.push_back(kGamma * c.force);
@@ -124,7 +127,7 @@ StepReport TrBdf2Step::second_stage(double dt, StageSolver* stage, Dynamics* d, 
   equation.tau = 0.5 * kGamma * dt;
   equation.x_base = &x_base_;
   equation.v_base = &v_base_;
-  equation.start_force = &force_;
+  if (!stage->extrapolates()) equation.start_force = &force_;
   if (d->mass_matrix != nullptr) equation.more_force = &prescribed_inertia_;
   equation.duration = (1.0 - kGamma) * dt;
   equation.contact_unit = dt;

@@ -27,6 +27,7 @@ struct RopePlace {
 struct RopeSpan {
   Two stiffness, length, tension;
   Two direction[3];  // see RopeFactor
+  Two second[9];     // block of L of the second place behind
 };
 
 /// What depends on velocities, v = (x - x_base) / tau.
@@ -37,10 +38,11 @@ struct RopeDamping {
   Two moment[3];                   // N m: the share of x_base in the moment
 };
 
-/// L D L^T of one place's three rows and what it leaves below.
+/// L D L^T of one place's three rows and what it leaves below. Without spans the block of the second place behind is
+/// a multiple of I times L^-T D^-1, and not kept.
 struct RopeFactor {
   Two lower[3], inverse[3];  // l10, l20, l21; 1 / D
-  Two next[9], second[9];    // blocks of L, row by row, of the two places behind
+  Two next[9];               // block of L, row by row, of the next place
   Two rest[3];               // right side; after a move, the move
   Two direction[3];          // of the link, where it was linearised
 };
