@@ -138,6 +138,7 @@ void World::Parts::held_nodes_changed() {
     }
   }
   stable_dt_age = -1;
+  if (state.x_before.cols() == 0) state.dt_before = 0.0;  // a node let go has another acceleration
   integrator->reset();
 }
 
@@ -168,17 +169,23 @@ void World::Parts::restore_last_good() {
 bool World::Parts::state_is_sane() const {
   // An implicit step whose forces are not numbers leaves a finite state and a residual that is none. Of a scheme whose
   // unknowns are tensions a large one is no sign of divergence: stiffness times what is left to do.
-  const double most = dynamics.pattern != nullptr ? kDiverged : std::numeric_limits<double>::max();
-  return state.finite() && report.residual <= most && state.x.cwiseAbs().maxCoeff() <= kFurthest;
+  const double most = integrator->needs().jacobian ? kDiverged : std::numeric_limits<double>::max();
+  // Largest values that no NaN hides from.
+  return report.residual <= most && state.x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kFurthest &&
+         std::isfinite(state.v.cwiseAbs().maxCoeff<Eigen::PropagateNaN>());
+}
+
+double World::Parts::clock() const {
+  return timed ? cpu_seconds() : 0.0;
 }
 
 void World::Parts::integrate(double h) {
   if (limiter) limiter->begin(h, dynamics.kinematics, &state);
-  const double start = cpu_seconds();
+  const double start = clock();
   const StepReport part = integrator->advance(h, &dynamics, &state);
-  cost.integrate += cpu_seconds() - start;
-  cost.assembly += part.seconds_assembly;
-  cost.solve += part.seconds_solve;
+  cost.integrate += clock() - start;
+  if (timed) cost.assembly += part.seconds_assembly;
+  if (timed) cost.solve += part.seconds_solve;
   add(part, &report);
   if (limiter) limit_strain(h);
   for (const Energy* energy : dynamics.energies) energy->end_step(&state);
@@ -186,9 +193,9 @@ void World::Parts::integrate(double h) {
 
 void World::Parts::limit_strain(double h) {
   if (!state.finite()) return;
-  const double start = cpu_seconds();
+  const double start = clock();
   const StrainLimitReport found = limiter->project(h, &dynamics, &state);
-  cost.limits += cpu_seconds() - start;
+  cost.limits += clock() - start;
   limits_met = found.converged;
   excess = found.violation;
 }
@@ -197,14 +204,14 @@ void World::Parts::integrate_with_contacts(double h) {
   part_state = state;
   double extra_reach = 0.0;
   for (int widening = 0;; ++widening) {
-    double start = cpu_seconds();
+    double start = clock();
     contacts->find(state, h, collider_steps, roles, extra_reach, &dynamics.contacts);
-    cost.contact += cpu_seconds() - start;
+    cost.contact += clock() - start;
     integrate(h);
     if (!state_is_sane()) return;
-    start = cpu_seconds();
+    start = clock();
     const double missed = contacts->missed_motion(part_state.x, state.x);
-    cost.contact += cpu_seconds() - start;
+    cost.contact += clock() - start;
     if (missed == 0.0 || widening == kMaxWidenings) break;
     extra_reach += missed;
     state = part_state;
@@ -213,11 +220,11 @@ void World::Parts::integrate_with_contacts(double h) {
 }
 
 bool World::Parts::advance(double h, double fraction) {
-  if (!grasps.empty() || !colliders.empty()) {  // asking for the time is dear to a short rope
-    const double start = cpu_seconds();
+  if (!grasps.empty() || !colliders.empty()) {
+    const double start = clock();
     if (!grasps.empty()) grasps.advance(h, state, &dynamics.kinematics);
     if (!colliders.empty()) colliders.advance(h, &collider_steps);
-    cost.grasps += cpu_seconds() - start;
+    cost.grasps += clock() - start;
   }
 
   if (contacts) {
@@ -227,9 +234,9 @@ bool World::Parts::advance(double h, double fraction) {
   }
 
   if (!grasps.empty()) {
-    const double start = cpu_seconds();
+    const double start = clock();
     grasps.measure(dynamics.kinematics, state, fraction);
-    cost.grasps += cpu_seconds() - start;
+    cost.grasps += clock() - start;
   }
   return state_is_sane();
 }
@@ -249,7 +256,7 @@ bool World::Parts::is_poor(int refinement) const {
   if (violation > kLost) return refinement < kMaxHalvings;
   if (settings.repeat == RepeatSteps::kLost) return false;
   if (violation > kViolation) return refinement < kMaxRefinements;
-  return refinement == 0 && dynamics.pattern != nullptr && !report.converged && report.residual > kGrossResidual;
+  return refinement == 0 && integrator->needs().jacobian && !report.converged && report.residual > kGrossResidual;
 }
 
 World::World(std::shared_ptr<const Model> model, WorldSettings settings, std::vector<Collider> colliders,
@@ -259,6 +266,7 @@ World::~World() = default;
 
 StepOutcome World::step() {
   Parts& w = *parts_;
+  w.timed = w.model->node_count() >= kSmallWorld || w.step_count % kTimedSteps == 0;
   w.keep_last_good();
   const int wanted = w.wanted_parts();
   w.substeps = wanted;
@@ -299,7 +307,7 @@ StepOutcome World::step() {
   w.state.time = static_cast<double>(w.step_count) * w.settings.dt;
   if (w.contacts) w.max_penetration = w.contacts->penetration(w.state.x, w.collider_steps, w.dynamics.contacts);
   if (!w.grasps.empty() && w.grasps.slip_overloaded()) w.held_nodes_changed();
-  if (++w.cost.steps == CostWindow::kSteps) {
+  if (w.timed && ++w.cost.steps == CostWindow::kSteps) {
     w.last_cost = w.cost;
     w.cost = CostWindow();
   }

@@ -24,6 +24,11 @@ struct CostWindow {
   double total() const { return integrate + limits + contact + grasps; }
 };
 
+/// Worlds smaller than this ask for the time in one step of kTimedSteps only: with some 0.2 us each, asking would be a
+/// third of what a short rope costs.
+constexpr int kSmallWorld = 300;  // nodes
+constexpr int kTimedSteps = 8;
+
 struct World::Parts {
   Parts(std::shared_ptr<const Model> shared_model, WorldSettings world_settings, std::vector<Collider> colliders,
         std::vector<GraspRequest> grasps);
@@ -55,6 +60,7 @@ struct World::Parts {
   std::string failure;     // why the last step could not be made
   double excess = 0.0;     // over the worst strain limit, relative, after the projection
   bool limits_met = true;
+  bool timed = true;  // the present step
   CostWindow cost, last_cost;
   std::vector<int> body_of_energy;  // of the model's; found when energies are first reported
 
@@ -72,6 +78,8 @@ struct World::Parts {
   void held_nodes_changed();
   void colliders_changed();
 
+  /// Thread CPU time, s; 0 in a step that is not timed.
+  double clock() const;
   void keep_last_good();
   void restore_last_good();
   /// One step in `parts` equal parts. False when the state left the finite world.

@@ -25,7 +25,9 @@ struct State {
 
   // Multistep schemes: the state one step back. Empty for all others, and before the second step.
   Nodes x_before, v_before;
-  double dt_before = 0.0;  // s, the step that led from there to here
+  // s, the step that led from there to here. One-step schemes that keep no x_before may keep a v_before of a uniform
+  // acceleration: the one with which the last step ended. 0: it is not known.
+  double dt_before = 0.0;
 
   /// What terms read beside time, x and v: a scheme that evaluates them at a state of its own calls this once a step.
   void copy_frames(const State& from) {

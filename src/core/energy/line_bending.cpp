@@ -1,4 +1,5 @@
-// Bending of a line that is straight without load and free to twist.
+#include "deformable_sim/core/energy/line_bending.h"
+
 #include <map>
 #include <utility>
 
@@ -7,81 +8,57 @@
 #include "deformable_sim/core/error.h"
 
 namespace deformable_sim {
-namespace {
 
-/// Quadratic in the positions: the Jacobian is constant and its blocks are multiples of the identity.
-class LineBending : public Energy, public QuadraticTerm {
- public:
-  struct Joint {
-    std::array<int, 3> node;
-    std::array<double, 3> share;  // 1/m: curvature = sum of shares x positions
-    double stiffness;             // N m^3: B times the length the joint stands for
-  };
-
-  LineBending(std::vector<Joint> joints, double damping) : joints_(std::move(joints)), damping_(damping) {
-    std::map<std::array<int, 2>, double> weights;
-    for (const Joint& j : joints_) {
-      for (size_t p = 0; p < 3; ++p) {
-        for (size_t q = 0; q < 3; ++q) weights[{j.node[p], j.node[q]}] += j.stiffness * j.share[p] * j.share[q];
-      }
-    }
-    for (const auto& [pair, weight] : weights) entries_.push_back({pair, weight});
-  }
-
-  std::string name() const override { return "line bending"; }
-  int element_count() const override { return static_cast<int>(joints_.size()); }
-  double value(const State& s) const override {
-    double sum = 0.0;
-    for (const Joint& j : joints_) sum += 0.5 * j.stiffness * curvature(s.x, j).squaredNorm();
-    return sum;
-  }
-  void add_force(const State& s, Nodes* f) const override {
-    for (const Joint& j : joints_) {
-      Vec3 moment = curvature(s.x, j);
-      if (damping_ > 0.0) moment += damping_ * curvature(s.v, j);
-      moment *= j.stiffness;
-      for (size_t p = 0; p < 3; ++p) f->col(j.node[p]) -= j.share[p] * moment;
+LineBending::LineBending(std::vector<Joint> joints, double damping) : joints_(std::move(joints)), damping_(damping) {
+  std::map<std::array<int, 2>, double> weights;
+  for (const Joint& j : joints_) {
+    for (size_t p = 0; p < 3; ++p) {
+      for (size_t q = 0; q < 3; ++q) weights[{j.node[p], j.node[q]}] += j.stiffness * j.share[p] * j.share[q];
     }
   }
-  void add_pattern(std::vector<std::array<int, 2>>* pairs) const override {
-    for (const Entry& e : entries_) {
-      if (e.pair[0] < e.pair[1]) pairs->push_back(e.pair);
-    }
-  }
-  void bind(const BlockMatrix& matrix) override {
-    slots_.clear();
-    for (const Entry& e : entries_) slots_.push_back(matrix.slot(e.pair[0], e.pair[1]));
-  }
-  void add_jacobian(const State&, double dx, double dv, Jacobian, BlockMatrix* a) const override {
-    const double scale = dx + damping_ * dv;
-    for (size_t k = 0; k < entries_.size(); ++k) {
-      a->block(slots_[k]).diagonal().array() += scale * entries_[k].weight;
-    }
-  }
-  void add_entries(std::vector<Eigen::Triplet<double>>* stiffness,
-                   std::vector<Eigen::Triplet<double>>* damping) const override {
-    for (const Entry& e : entries_) {
-      stiffness->emplace_back(e.pair[0], e.pair[1], e.weight);
-      if (damping_ > 0.0) damping->emplace_back(e.pair[0], e.pair[1], damping_ * e.weight);
-    }
-  }
+  for (const auto& [pair, weight] : weights) entries_.push_back({pair, weight});
+}
 
- private:
-  struct Entry {
-    std::array<int, 2> pair;
-    double weight;  // N/m
-  };
-  static Vec3 curvature(const Nodes& x, const Joint& j) {
-    return j.share[0] * x.col(j.node[0]) + j.share[1] * x.col(j.node[1]) + j.share[2] * x.col(j.node[2]);
+double LineBending::value(const State& s) const {
+  double sum = 0.0;
+  for (const Joint& j : joints_) sum += 0.5 * j.stiffness * curvature(s.x, j).squaredNorm();
+  return sum;
+}
+
+void LineBending::add_force(const State& s, Nodes* f) const {
+  for (const Joint& j : joints_) {
+    Vec3 moment = curvature(s.x, j);
+    if (damping_ > 0.0) moment += damping_ * curvature(s.v, j);
+    moment *= j.stiffness;
+    for (size_t p = 0; p < 3; ++p) f->col(j.node[p]) -= j.share[p] * moment;
   }
+}
 
-  std::vector<Joint> joints_;
-  std::vector<Entry> entries_;
-  std::vector<int> slots_;  // parallel to entries_, once bound
-  double damping_;          // s
-};
+void LineBending::add_pattern(std::vector<std::array<int, 2>>* pairs) const {
+  for (const Entry& e : entries_) {
+    if (e.pair[0] < e.pair[1]) pairs->push_back(e.pair);
+  }
+}
 
-}  // namespace
+void LineBending::bind(const BlockMatrix& matrix) {
+  slots_.clear();
+  for (const Entry& e : entries_) slots_.push_back(matrix.slot(e.pair[0], e.pair[1]));
+}
+
+void LineBending::add_jacobian(const State&, double dx, double dv, Jacobian, BlockMatrix* a) const {
+  const double scale = dx + damping_ * dv;
+  for (size_t k = 0; k < entries_.size(); ++k) {
+    a->block(slots_[k]).diagonal().array() += scale * entries_[k].weight;
+  }
+}
+
+void LineBending::add_entries(std::vector<Eigen::Triplet<double>>* stiffness,
+                              std::vector<Eigen::Triplet<double>>* damping) const {
+  for (const Entry& e : entries_) {
+    stiffness->emplace_back(e.pair[0], e.pair[1], e.weight);
+    if (damping_ > 0.0) damping->emplace_back(e.pair[0], e.pair[1], damping_ * e.weight);
+  }
+}
 
 std::unique_ptr<Energy> make_line_bending(const Polyline& line, double rigidity, double damping, int first_node) {
   const auto nodes = static_cast<int>(line.rest.cols());

@@ -23,12 +23,8 @@ class Bdf2 : public Integrator {
   void reset() override { stage_->reset(); }
 
   StepReport advance(double dt, Dynamics* d, State* s) override {
-    x_start_ = s->x;
-    v_start_ = s->v;
     const bool known = s->x_before.cols() == s->x.cols() && s->dt_before > 0.0 && dt <= kMostGrowth * s->dt_before;
-    const StepReport report = known ? two_step(dt, d, s) : start_.advance(dt, stage_.get(), d, s);
-    s->x_before = x_start_;
-    s->v_before = v_start_;
+    const StepReport report = known ? two_step(dt, d, s) : first_step(dt, d, s);
     s->dt_before = dt;
     forget_impacts(d->contacts, s);
     return report;
@@ -47,6 +43,15 @@ class Bdf2 : public Integrator {
     }
   }
 
+  StepReport first_step(double dt, Dynamics* d, State* s) {
+    x_start_ = s->x;
+    v_start_ = s->v;
+    const StepReport report = start_.advance(dt, stage_.get(), d, s);
+    s->x_before = x_start_;
+    s->v_before = v_start_;
+    return report;
+  }
+
   StepReport two_step(double dt, Dynamics* d, State* s) {
     const double w = dt / s->dt_before, more = w * w / (1.0 + 2.0 * w);
     x_base_ = s->x + more * (s->x - s->x_before);
@@ -59,8 +64,10 @@ class Bdf2 : public Integrator {
     StepReport report = stage_->solve(equation, *s, *d);
     stage_->report_contacts(&d->contacts);
     take_reactions(stage_->outer_force(), &d->kinematics);
-    std::swap(stage_->end().x, s->x);
-    std::swap(stage_->end().v, s->v);
+    s->x_before.swap(s->x);
+    s->v_before.swap(s->v);
+    s->x.swap(stage_->end().x);
+    s->v.swap(stage_->end().v);
     s->time += dt;
     report.converged = report.converged && s->finite();
     return report;

@@ -32,6 +32,7 @@ class TrBdf2Step {
  private:
   StepReport first_stage(double dt, StageSolver* stage, Dynamics* d, State* s);
   StepReport second_stage(double dt, StageSolver* stage, Dynamics* d, const State& s);
+  void remember(double dt, const Dynamics& d, State* s) const;
 
   State middle_;   // at t + gamma dt
   Nodes v_start_;  // before prescribed nodes took up the speed of this step

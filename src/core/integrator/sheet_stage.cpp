@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "deformable_sim/core/integrator/rope_stage.h"
+
 namespace deformable_sim {
 
 void SheetStage::reset() {
@@ -83,6 +85,9 @@ void SheetStage::report_contacts(ContactConstraints* contacts) const {
 
 std::unique_ptr<StageSolver> make_stage_solver(const SolverSettings& settings) {
   if (settings.linear == SolverSettings::Linear::kMultigrid) return std::make_unique<SheetStage>(settings);
+  if (settings.linear == SolverSettings::Linear::kBanded && settings.jacobian == Jacobian::kLagged) {
+    return std::make_unique<RopeStage>(settings);
+  }
   return std::make_unique<ImplicitStage>(settings);
 }
 

@@ -63,21 +63,36 @@ StepReport TrBdf2Step::advance(double dt, StageSolver* stage, Dynamics* d, State
   std::swap(s->x, stage->end().x);
   std::swap(s->v, stage->end().v);
   s->time += dt;
-  mean_force_ += kEndWeight * stage->force();
+  if (stage->extrapolates()) remember(dt, *d, s);
+  for (int node : d->kinematics.node) mean_force_.col(node) += kEndWeight * stage->force().col(node);
   average_reactions(dt, v_start_, s->v, mean_force_, d);
   report.converged = report.converged && s->finite();
   return report;
 }
 
+/// The acceleration that the last stage ends with, (v - v_base) / tau, is the next step's at its start.
+void TrBdf2Step::remember(double dt, const Dynamics& d, State* s) const {
+  s->dt_before = d.contacts.empty() ? dt : 0.0;
+  if (d.contacts.empty()) s->v_before = s->v - (2.0 / kGamma) * (s->v - v_base_);
+}
+
 StepReport TrBdf2Step::first_stage(double dt, StageSolver* stage, Dynamics* d, State* s) {
   const double tau = 0.5 * kGamma * dt;
-  stage->find_force(*s, *d, &force_);
   x_base_ = s->x + tau * s->v;
   StageEquation equation;
   equation.tau = tau;
   equation.x_base = &x_base_;
-  equation.v_base = &s->v;
-  equation.more_force = equation.start_force = &force_;
+  const bool known = stage->extrapolates() && d->contacts.empty() && s->x_before.cols() == 0 &&
+                     s->v_before.cols() == s->v.cols() && s->dt_before > 0.0;
+  if (known) {
+    stage->find_held_force(*s, *d, &force_);
+    v_base_ = s->v + (tau / s->dt_before) * (s->v - s->v_before);
+    equation.v_base = &v_base_;
+  } else {
+    stage->find_force(*s, *d, &force_);
+    equation.v_base = &s->v;
+    equation.more_force = equation.start_force = &force_;
+  }
   if (d->mass_matrix != nullptr) {
     remaining_force_ = force_ + 2.0 * prescribed_inertia_;  // the start's share and this stage's own
     equation.more_force = &remaining_force_;
@@ -87,9 +102,12 @@ StepReport TrBdf2Step::first_stage(double dt, StageSolver* stage, Dynamics* d, S
   equation.fraction = kGamma;
   equation.remaining = dt - equation.duration;
   StepReport report = stage->solve(equation, *s, *d);
-  ++report.force_evaluations;  // at the start
-  mean_force_ = kOuterWeight * (force_ + stage->force());
-  force_ = stage->force();
+  if (!known) ++report.force_evaluations;
+  mean_force_.resize(3, s->x.cols());
+  for (int node : d->kinematics.node) {
+    mean_force_.col(node) = kOuterWeight * (force_.col(node) + stage->force().col(node));
+  }
+  if (!stage->extrapolates()) force_ = stage->force();
   stage->report_contacts(&d->contacts);
   contact_force_.clear();
   for (const ContactConstraint& c : d->contacts) contact_force_.push_back(kGamma * c.force);
@@ -101,13 +119,17 @@ StepReport TrBdf2Step::second_stage(double dt, StageSolver* stage, Dynamics* d, 
   std::swap(middle_.v, stage->end().v);
   middle_.time = stage->end().time;
   middle_.copy_frames(s);
+  if (stage->extrapolates()) {
+    middle_.v_before = s.v;
+    middle_.dt_before = kGamma * dt;
+  }
   x_base_ = middle_.x + (kPast - 1.0) * (middle_.x - s.x);
   v_base_ = middle_.v + (kPast - 1.0) * (middle_.v - s.v);
   StageEquation equation;
   equation.tau = 0.5 * kGamma * dt;
   equation.x_base = &x_base_;
   equation.v_base = &v_base_;
-  equation.start_force = &force_;
+  if (!stage->extrapolates()) equation.start_force = &force_;
   if (d->mass_matrix != nullptr) equation.more_force = &prescribed_inertia_;
   equation.duration = (1.0 - kGamma) * dt;
   equation.contact_unit = dt;

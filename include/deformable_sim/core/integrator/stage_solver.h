@@ -38,8 +38,13 @@ class StageSolver {
   virtual void reset() = 0;
   virtual StepReport solve(const StageEquation& equation, const State& start, const Dynamics& d) = 0;
 
+  /// Whether solve() makes use of the acceleration (v - v_before) / dt_before of State, where it is known.
+  virtual bool extrapolates() const { return false; }
+
   /// f := the terms' force at `s`, N.
   virtual void find_force(const State& s, const Dynamics& d, Nodes* f) = 0;
+  /// The same of held nodes; all others may be left as they are.
+  virtual void find_held_force(const State& s, const Dynamics& d, Nodes* f) { find_force(s, d, f); }
   /// Of the last solve: x, v and time at the stage; may be swapped away.
   virtual State& end() = 0;
   /// The terms' force there, N.
