@@ -28,7 +28,7 @@ SheetSolve::SheetSolve(const GridSheet& sheet, const Dynamics& d, const SolverSe
     : settings_(settings),
       rows_(sheet),
       kernels_(stage_kernels(simd_level())),
-      forces_(sheet_kernels(simd_level(), double())),
+      forces_(sheet_kernels(simd_level())),
       first_(sheet.first_node),
       count_(sheet.node_count()),
       x_(rows_.make_xyz()),
