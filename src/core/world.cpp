@@ -159,7 +159,9 @@ void World::Parts::restore_last_good() {
 
 bool World::Parts::state_is_sane() const {
   // An implicit step whose forces are not numbers leaves a finite state and a residual that is none.
-  return state.finite() && report.residual <= kDiverged && state.x.cwiseAbs().maxCoeff() <= kFurthest;
+  // A sum is finite only where all that it sums is, and far quicker than a look at each.
+  return std::isfinite(state.x.sum()) && std::isfinite(state.v.sum()) && report.residual <= kDiverged &&
+         state.x.cwiseAbs().maxCoeff() <= kFurthest;
 }
 
 void World::Parts::integrate(double h) {

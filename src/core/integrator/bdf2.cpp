@@ -23,12 +23,8 @@ class Bdf2 : public Integrator {
   void reset() override { stage_->reset(); }
 
   StepReport advance(double dt, Dynamics* d, State* s) override {
-    x_start_ = s->x;
-    v_start_ = s->v;
     const bool known = s->x_before.cols() == s->x.cols() && s->dt_before > 0.0 && dt <= kMostGrowth * s->dt_before;
-    const StepReport report = known ? two_step(dt, d, s) : start_.advance(dt, stage_.get(), d, s);
-    s->x_before = x_start_;
-    s->v_before = v_start_;
+    const StepReport report = known ? two_step(dt, d, s) : first_step(dt, d, s);
     s->dt_before = dt;
     forget_impacts(d->contacts, s);
     return report;
@@ -47,6 +43,14 @@ class Bdf2 : public Integrator {
     }
   }
 
+  StepReport first_step(double dt, Dynamics* d, State* s) {
+    const Nodes x = s->x, v = s->v;
+    const StepReport report = start_.advance(dt, stage_.get(), d, s);
+    s->x_before = x;
+    s->v_before = v;
+    return report;
+  }
+
   StepReport two_step(double dt, Dynamics* d, State* s) {
     const double w = dt / s->dt_before, more = w * w / (1.0 + 2.0 * w);
     x_base_ = s->x + more * (s->x - s->x_before);
@@ -56,19 +60,21 @@ class Bdf2 : public Integrator {
     equation.x_base = &x_base_;
     equation.v_base = &v_base_;
     equation.duration = equation.contact_unit = dt;
-    StepReport report = stage_->solve(equation, *s, *d);
+    equation.force_wanted = false;
+    const StepReport report = stage_->solve(equation, *s, *d);
     stage_->report_contacts(&d->contacts);
     take_reactions(stage_->outer_force(), &d->kinematics);
+    std::swap(s->x_before, s->x);
+    std::swap(s->v_before, s->v);
     std::swap(stage_->end().x, s->x);
     std::swap(stage_->end().v, s->v);
     s->time += dt;
-    report.converged = report.converged && s->finite();
-    return report;
+    return report;  // not converged where anything is not finite
   }
 
   std::unique_ptr<StageSolver> stage_;
   TrBdf2Step start_;
-  Nodes x_start_, v_start_, x_base_, v_base_;
+  Nodes x_base_, v_base_;
 };
 
 }  // namespace

@@ -26,6 +26,7 @@ struct StageEquation {
   double fraction = 1.0;               // of the way of prescribed nodes from the start to their targets
   double remaining = 0.0;              // s from the stage to the end of the step
   double contact_unit = 0.0;           // s, dt of the contacts' stiffness
+  bool force_wanted = true;            // force() will be asked for
 
   PenaltyContacts::Span contact_span() const { return {duration, remaining, contact_unit}; }
 };
@@ -42,7 +43,7 @@ class StageSolver {
   virtual void find_force(const State& s, const Dynamics& d, Nodes* f) = 0;
   /// Of the last solve: x, v and time at the stage; may be swapped away.
   virtual State& end() = 0;
-  /// The terms' force there, N.
+  /// The terms' force there, N; of no meaning where it was not wanted.
   virtual const Nodes& force() const = 0;
   /// M a - f - more_force there, N: what holders and contacts do to the nodes. May be known at held nodes only.
   virtual const Nodes& outer_force() const = 0;
