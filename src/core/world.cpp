@@ -8,6 +8,7 @@
 
 #include <time.h>
 
+#include "deformable_sim/core/integrator/sheet_stage.h"
 #include "world_parts.h"
 
 namespace deformable_sim {
@@ -76,20 +77,29 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
   }
   dynamics.grids = &model->grids;
   if (!model->strain_limits.empty()) limiter = std::make_unique<StrainLimiter>(*model);
-  if (integrator->needs().jacobian) {
-    std::vector<std::array<int, 2>> pairs;
-    for (const auto& e : model->energies) e->add_pattern(&pairs);
-    for (int j = 0; j < model->mass_matrix.outerSize(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(model->mass_matrix, j); it; ++it)
-        if (it.row() < j) pairs.push_back({static_cast<int>(it.row()), j});
-    add_contact_pairs(*model, &pairs);
-    if (limiter) limiter->springs()->add_pattern(&pairs);
-    pattern = BlockMatrix(model->node_count(), pairs, model->point_count());
-    for (const auto& e : model->energies) e->bind(pattern);
-    if (limiter) limiter->springs()->bind(pattern);
-    dynamics.pattern = &pattern;
-  }
+  if (integrator->needs().jacobian) make_pattern();
   start();
+}
+
+void World::Parts::make_pattern() {
+  dynamics.pattern = &pattern;
+  for (const auto& e : model->energies) dynamics.energies.push_back(e.get());
+  // Stages of sheets on grids assemble nothing; only soft grasps ask for their nodes' blocks.
+  if (settings.solver.linear == SolverSettings::Linear::kMultigrid && is_in_stages(settings.integrator) && !limiter &&
+      SheetStage::is_enough_for(dynamics)) {
+    pattern = BlockMatrix(model->node_count(), {}, model->point_count());
+    return;
+  }
+  std::vector<std::array<int, 2>> pairs;
+  for (const auto& e : model->energies) e->add_pattern(&pairs);
+  for (int j = 0; j < model->mass_matrix.outerSize(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(model->mass_matrix, j); it; ++it)
+      if (it.row() < j) pairs.push_back({static_cast<int>(it.row()), j});
+  add_contact_pairs(*model, &pairs);
+  if (limiter) limiter->springs()->add_pattern(&pairs);
+  pattern = BlockMatrix(model->node_count(), pairs, model->point_count());
+  for (const auto& e : model->energies) e->bind(pattern);
+  if (limiter) limiter->springs()->bind(pattern);
 }
 
 void World::Parts::start() {

@@ -9,20 +9,29 @@ void SheetStage::reset() {
   generic_.reset();
 }
 
+bool SheetStage::is_enough_for(const Dynamics& d) {
+  if (d.grids == nullptr || d.mass_matrix != nullptr) return false;
+  Eigen::Index count = 0;
+  std::vector<const Energy*> in_rows;
+  for (const GridSheet& grid : *d.grids) {
+    count += grid.node_count();
+    in_rows.insert(in_rows.end(), grid.replaces.begin(), grid.replaces.end());
+  }
+  const auto fits = [&in_rows](const Energy* energy) {
+    return energy->mass_force() != nullptr || dynamic_cast<const TargetSprings*>(energy) != nullptr ||
+           dynamic_cast<const LimitSprings*>(energy) != nullptr ||
+           std::find(in_rows.begin(), in_rows.end(), energy) != in_rows.end();
+  };
+  return count == d.mass->size() && std::all_of(d.energies.begin(), d.energies.end(), fits);
+}
+
 /// Sorts the terms and lays out the sheets.
 void SheetStage::prepare(const Dynamics& d) {
   prepared_ = true;
   sheets_.clear();
   around_ = SheetSurroundings();
-  std::vector<const Energy*> in_rows;
-  Eigen::Index count = 0;
-  if (d.grids != nullptr) {
-    for (const GridSheet& grid : *d.grids) {
-      count += grid.node_count();
-      in_rows.insert(in_rows.end(), grid.replaces.begin(), grid.replaces.end());
-    }
-  }
-  fits_ = count == d.mass->size() && d.mass_matrix == nullptr;
+  fits_ = is_enough_for(d);
+  if (!fits_) return;
   for (const Energy* energy : d.energies) {
     if (const MassForce* force = energy->mass_force()) {
       around_.everywhere.acceleration += force->acceleration;
@@ -31,11 +40,8 @@ void SheetStage::prepare(const Dynamics& d) {
       around_.targets.push_back(targets);
     } else if (const auto* limits = dynamic_cast<const LimitSprings*>(energy)) {
       around_.limits.push_back(limits);
-    } else {
-      fits_ = fits_ && std::find(in_rows.begin(), in_rows.end(), energy) != in_rows.end();
     }
   }
-  if (!fits_) return;
   for (const GridSheet& grid : *d.grids) sheets_.push_back(std::make_unique<SheetSolve>(grid, d, settings_));
 }
 

@@ -24,6 +24,9 @@ class SheetStage : public StageSolver {
   const Nodes& outer_force() const override { return fits_ ? outer_force_ : generic_.outer_force(); }
   void report_contacts(ContactConstraints* contacts) const override;
 
+  /// Whether the sheets are all there is, so that stages need no matrix. Kinematics and contacts do not matter.
+  static bool is_enough_for(const Dynamics& d);
+
  private:
   void prepare(const Dynamics& d);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/core/integrator/penalty_contacts.h"
@@ -50,6 +51,9 @@ class StageSolver {
   /// Writes the force of each contact.
   virtual void report_contacts(ContactConstraints* contacts) const = 0;
 };
+
+/// Schemes that solve stages with make_stage_solver() and need a matrix for nothing else.
+bool is_in_stages(const std::string& integrator);
 
 /// What settings.linear asks for: SheetStage for multigrid, ImplicitStage for all else.
 std::unique_ptr<StageSolver> make_stage_solver(const SolverSettings& settings);
