@@ -137,6 +137,11 @@ std::vector<Family> plan(const Case& c, const UsableSteps& usable, study::Effort
       Configuration k;
       k.integrator = name;
       families.push_back({k, explicit_ladder(c.quarter(), step->second, effort)});
+      // Kernels of sheets exist in both.
+      if (name == "substepped_verlet" && c.features.kind == "cloth") {
+        k.precision = "single";
+        families.push_back({k, explicit_ladder(c.quarter(), step->second, effort)});
+      }
       continue;
     }
     for (const Configuration& k : implicit_configurations(c, name, effort)) {

@@ -104,6 +104,8 @@ Cost cost_of(const Tally& tally, const Clock& clock, double dt) {
 
 SolverSettings settings_of(const Case& c, const Configuration& configuration, double tight) {
   SolverSettings settings = c.solver;
+  settings.precision =
+      configuration.precision == "single" ? SolverSettings::Precision::kSingle : SolverSettings::Precision::kDouble;
   if (configuration.is_explicit()) return settings;
   const std::string& linear = configuration.linear_solver;
   settings.linear = linear == "banded"      ? SolverSettings::Linear::kBanded
