@@ -43,7 +43,7 @@ struct World::Parts {
   State state;
   std::uint64_t step_count = 0;
   std::unique_ptr<Integrator> integrator;
-  BlockMatrix pattern;                     // empty for schemes without a Jacobian
+  BlockMatrix pattern;                     // empty for schemes without a Jacobian; see make_pattern()
   std::unique_ptr<StrainLimiter> limiter;  // only where the model has strain limits
   Dynamics dynamics;
   GraspSet grasps;
@@ -72,6 +72,8 @@ struct World::Parts {
   State good_state, part_state;
   std::vector<FrameMotion> good_grasps, good_colliders;
 
+  /// What the schemes' matrices are made of, as far as this scene needs any.
+  void make_pattern();
   /// Initial state, colliders and grasps. Throws InputError.
   void start();
   /// Kinematics, springs and everything that depends on which nodes are held.

@@ -9,6 +9,7 @@
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/energy/terms.h"
 #include "deformable_sim/core/grid/sheet_rows.h"
+#include "deformable_sim/core/integrator/sheet_motion.h"
 
 namespace deformable_sim::test {
 
@@ -67,17 +68,31 @@ class GridTerms {
     return f;
   }
 
-  template <class Real>
   Nodes force_of_kernels(SimdLevel level) const {
-    SheetRows<Real> rows(*grid);
+    SheetRows<double> rows(*grid);
     auto x = rows.make_xyz(), v = rows.make_xyz(), y = rows.make_xyz(), force = rows.make_xyz();
     rows.load(state.x, x.data());
     rows.load(state.v, v.data());
     rows.load(state.x + kBendingDamping * state.v, y.data());
-    sheet_kernels(level, Real()).forces(rows.shape(), x.data(), v.data(), y.data(), force.data(), rows.scratch());
+    sheet_kernels(level).forces(rows.shape(), x.data(), v.data(), y.data(), force.data(), rows.scratch());
     Nodes f = Nodes::Zero(3, state.x.cols());
     rows.add(force.data(), &f);
     return f;
+  }
+
+  /// From what a kick of 1 s adds to the velocities of nodes of 1 kg.
+  template <class Real>
+  Nodes force_of_motion(SimdLevel level) const {
+    SheetMotion<Real> motion(*grid, Eigen::VectorXd::Ones(state.x.cols()), {}, level);
+    Nodes x = Nodes::Zero(3, state.x.cols()), v = state.v;
+    motion.load(state.x, state.v, 1e-3);
+    motion.leap(1.0, 0.0, MassForce(), nullptr);
+    for (int k = 0; k < grid->node_count(); ++k) {
+      Vec3 at, rate;
+      motion.get(kFirst + k, &at, &rate);
+      v.col(kFirst + k) = rate;
+    }
+    return v - state.v;
   }
 
   static constexpr int kFirst = 3;

@@ -47,11 +47,6 @@ SheetRows<Real>::SheetRows(const GridSheet& sheet) : first_node_(sheet.first_nod
   for (int kind : sheet.bending.kind_of_row) bending_.push_back(kinds[static_cast<size_t>(kind)]);
   shape_.bending = bending_.data();
 
-  buffers_.reserve(3);
-  for (auto& force : scratch_.force) {
-    buffers_.emplace_back(1, shape_.stride);
-    force = buffers_.back().data();
-  }
   passed_ = {1, SheetScratch<Real>::kPassed * shape_.stride};
   scratch_.passed = passed_.data();
 }

@@ -3,17 +3,19 @@
 #include <string>
 
 #include "deformable_sim/core/grid/line_kernels.h"
+#include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
 
 namespace deformable_sim {
 
-#define DEFORMABLE_SIM_KERNELS(level)              \
-  namespace level {                                \
-  extern const SheetKernels<float> kernels_f;      \
-  extern const SheetKernels<double> kernels_d;     \
-  extern const StageKernels stage_kernels;         \
-  extern const LineKernels<float> line_kernels_f;  \
-  extern const LineKernels<double> line_kernels_d; \
+#define DEFORMABLE_SIM_KERNELS(level)                  \
+  namespace level {                                    \
+  extern const SheetKernels sheet_kernels;             \
+  extern const MotionKernels<float> motion_kernels_f;  \
+  extern const MotionKernels<double> motion_kernels_d; \
+  extern const StageKernels stage_kernels;             \
+  extern const LineKernels<float> line_kernels_f;      \
+  extern const LineKernels<double> line_kernels_d;     \
   }
 DEFORMABLE_SIM_KERNELS(simd_sse2)
 #if defined(__x86_64__)
@@ -57,13 +59,17 @@ const char* name_of(SimdLevel level) {
 }
 
 #if defined(__x86_64__)
-const SheetKernels<float>& sheet_kernels(SimdLevel level, float) {
-  if (level == SimdLevel::kAvx512) return simd_avx512::kernels_f;
-  return level == SimdLevel::kAvx2 ? simd_avx2::kernels_f : simd_sse2::kernels_f;
+const SheetKernels& sheet_kernels(SimdLevel level) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::sheet_kernels;
+  return level == SimdLevel::kAvx2 ? simd_avx2::sheet_kernels : simd_sse2::sheet_kernels;
 }
-const SheetKernels<double>& sheet_kernels(SimdLevel level, double) {
-  if (level == SimdLevel::kAvx512) return simd_avx512::kernels_d;
-  return level == SimdLevel::kAvx2 ? simd_avx2::kernels_d : simd_sse2::kernels_d;
+const MotionKernels<float>& motion_kernels(SimdLevel level, float) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::motion_kernels_f;
+  return level == SimdLevel::kAvx2 ? simd_avx2::motion_kernels_f : simd_sse2::motion_kernels_f;
+}
+const MotionKernels<double>& motion_kernels(SimdLevel level, double) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::motion_kernels_d;
+  return level == SimdLevel::kAvx2 ? simd_avx2::motion_kernels_d : simd_sse2::motion_kernels_d;
 }
 const StageKernels& stage_kernels(SimdLevel level) {
   if (level == SimdLevel::kAvx512) return simd_avx512::stage_kernels;
@@ -84,14 +90,17 @@ const LineKernels<float>& line_kernels(SimdLevel, float) {
 const LineKernels<double>& line_kernels(SimdLevel, double) {
   return simd_sse2::line_kernels_d;
 }
+const MotionKernels<double>& motion_kernels(SimdLevel, double) {
+  return simd_sse2::motion_kernels_d;
+}
+const MotionKernels<float>& motion_kernels(SimdLevel, float) {
+  return simd_sse2::motion_kernels_f;
+}
 const StageKernels& stage_kernels(SimdLevel) {
   return simd_sse2::stage_kernels;
 }
-const SheetKernels<float>& sheet_kernels(SimdLevel, float) {
-  return simd_sse2::kernels_f;
-}
-const SheetKernels<double>& sheet_kernels(SimdLevel, double) {
-  return simd_sse2::kernels_d;
+const SheetKernels& sheet_kernels(SimdLevel) {
+  return simd_sse2::sheet_kernels;
 }
 #endif
 

@@ -44,11 +44,10 @@ class Bdf2 : public Integrator {
   }
 
   StepReport first_step(double dt, Dynamics* d, State* s) {
-    x_start_ = s->x;
-    v_start_ = s->v;
+    const Nodes x = s->x, v = s->v;
     const StepReport report = start_.advance(dt, stage_.get(), d, s);
-    s->x_before = x_start_;
-    s->v_before = v_start_;
+    s->x_before = x;
+    s->v_before = v;
     return report;
   }
 
@@ -61,7 +60,8 @@ class Bdf2 : public Integrator {
     equation.x_base = &x_base_;
     equation.v_base = &v_base_;
     equation.duration = equation.contact_unit = dt;
-    StepReport report = stage_->solve(equation, *s, *d);
+    equation.force_wanted = false;
+    const StepReport report = stage_->solve(equation, *s, *d);
     stage_->report_contacts(&d->contacts);
     take_reactions(stage_->outer_force(), &d->kinematics);
     s->x_before.swap(s->x);
@@ -69,14 +69,13 @@ class Bdf2 : public Integrator {
     s->x.swap(stage_->end().x);
     s->v.swap(stage_->end().v);
     s->time += dt;
-    report.converged = report.converged && s->finite();
-    return report;
+    return report;  // not converged where anything is not finite
   }
 
   Needs needs_;
   std::unique_ptr<StageSolver> stage_;
   TrBdf2Step start_;
-  Nodes x_start_, v_start_, x_base_, v_base_;
+  Nodes x_base_, v_base_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@ namespace {
 struct Entry {
   const char* name;
   std::unique_ptr<Integrator> (*make)(const SolverSettings&);
+  bool in_stages = false;  // of make_stage_solver, and nothing else that needs a matrix
 };
 
 constexpr Entry kEntries[] = {
@@ -15,11 +16,11 @@ constexpr Entry kEntries[] = {
     {"symplectic_euler", [](const SolverSettings&) { return make_symplectic_euler(); }},
     {"velocity_verlet", [](const SolverSettings&) { return make_velocity_verlet(); }},
     {"rk4", [](const SolverSettings&) { return make_rk4(); }},
-    {"implicit_euler", [](const SolverSettings& settings) { return make_implicit_euler(settings); }},
+    {"implicit_euler", [](const SolverSettings& settings) { return make_implicit_euler(settings); }, true},
     {"linear_implicit_euler", [](const SolverSettings& settings) { return make_linear_implicit_euler(settings); }},
     {"implicit_midpoint", [](const SolverSettings& settings) { return make_implicit_midpoint(settings); }},
-    {"bdf2", [](const SolverSettings& settings) { return make_bdf2(settings); }},
-    {"tr_bdf2", [](const SolverSettings& settings) { return make_tr_bdf2(settings); }},
+    {"bdf2", [](const SolverSettings& settings) { return make_bdf2(settings); }, true},
+    {"tr_bdf2", [](const SolverSettings& settings) { return make_tr_bdf2(settings); }, true},
     {"substepped_verlet", [](const SolverSettings& settings) { return make_substepped_verlet(settings); }},
     {"line_dual", [](const SolverSettings& settings) { return make_line_dual(settings); }},
     {"xpbd", [](const SolverSettings& settings) { return make_xpbd(settings); }},
@@ -32,6 +33,13 @@ std::vector<std::string> integrator_names() {
   std::vector<std::string> names;
   for (const Entry& entry : kEntries) names.emplace_back(entry.name);
   return names;
+}
+
+bool is_in_stages(const std::string& integrator) {
+  for (const Entry& entry : kEntries) {
+    if (integrator == entry.name) return entry.in_stages;
+  }
+  return false;
 }
 
 std::unique_ptr<Integrator> make_integrator(const std::string& name, const SolverSettings& settings) {

@@ -1,104 +1,185 @@
 #include "deformable_sim/core/integrator/sheet_motion.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace deformable_sim {
+namespace {
+
+constexpr double kLargest = 2147483646.0;  // 2^31 - 2
+constexpr double kRoom = 1.5;              // of the range of positions, over what a step is thought to need
+constexpr double kFaster = 2.0;            // a node at its end, than the fastest at its start
+constexpr double kStretched = 8.0;         // a spring, over its length: differences must not leave the range either
+constexpr double kSlow = 1.0;              // m/s, that no sheet is thought to be slower than
+
+}  // namespace
 
 template <class Real>
-SheetMotion<Real>::SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& mass, const std::vector<int>& held)
-    : rows_(sheet),
-      kernels_(sheet_kernels(simd_level(), Real())),
-      x_(rows_.make_xyz()),
-      v_(rows_.make_xyz()),
-      force_(rows_.make_xyz()),
-      gain_(rows_.make_array()),
-      free_(rows_.make_array()),
+SheetMotion<Real>::SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& mass, const std::vector<int>& held,
+                               SimdLevel level)
+    : kernels_(motion_kernels(level, Real())),
+      rows_(sheet, kernels_.width),
+      x_(rows_.template make_points<Position>()),
+      v_(rows_.template make_points<Real>()),
+      gain_(rows_.make_numbers()),
+      passed_(rows_.make_row()),
+      row_{rows_.make_row(), rows_.make_row(), rows_.make_row()},
+      longest_(std::max(
+          {sheet.warp.length, sheet.weft.length, sheet.shear_length, sheet.warp_bend.length, sheet.weft_bend.length})),
       keeps_(static_cast<size_t>(sheet.rows), 0) {
-  if (sheet.bending_damping > 0.0 && !sheet.bending.empty()) y_ = rows_.make_xyz();
+  if (!sheet.bending.empty()) {
+    start_ = rows_.template make_points<Position>();
+    y_ = rows_.template make_points<Real>();
+    bent_ = rows_.template make_points<Real>();
+  }
   for (int k = 0; k < rows_.node_count(); ++k) {
-    gain_.data()[rows_.place(k)] = static_cast<Real>(1.0 / mass[sheet.first_node + k]);
-    free_.data()[rows_.place(k)] = Real(1);
+    gain_.data()[rows_.number_place(k)] = static_cast<Real>(1.0 / mass[sheet.first_node + k]);
   }
   for (size_t i = 0; i < held.size(); ++i) {
     if (!contains(held[i])) continue;
     const int node = held[i] - sheet.first_node;
-    const std::ptrdiff_t place = rows_.place(node);
-    held_.push_back({static_cast<Eigen::Index>(i), place});
+    held_.push_back({static_cast<Eigen::Index>(i), rows_.place(node)});
     keeps_[static_cast<size_t>(node / sheet.cols)] = 1;
-    gain_.data()[place] = free_.data()[place] = Real(0);
+    gain_.data()[rows_.number_place(node)] = Real(0);
+  }
+  if (!held_.empty()) force_ = rows_.template make_points<Real>();
+}
+
+template <class Real>
+void SheetMotion<Real>::choose_unit(const Nodes& x, const Nodes& v, double dt) {
+  if constexpr (kCounts) {
+    const auto mine = x.middleCols(rows_.first_node(), rows_.node_count());
+    const Vec3 low = mine.rowwise().minCoeff(), high = mine.rowwise().maxCoeff();
+    const double fastest = v.middleCols(rows_.first_node(), rows_.node_count()).cwiseAbs().maxCoeff();
+    origin_ = 0.5 * (low + high);
+    const double half = 0.5 * (high - low).maxCoeff();
+    const double range = std::max(kRoom * (half + dt * kFaster * (fastest + kSlow)), kStretched * longest_);
+    fastest_ = (range - half) / dt;
+    unit_ = static_cast<double>(static_cast<Real>(range / kLargest));  // what the kernels reckon with
+    per_unit_ = 1.0 / unit_;
+  }
+}
+
+/// To the nearest.
+template <class Real>
+typename SheetMotion<Real>::Position SheetMotion<Real>::counted(double x, int d) const {
+  if constexpr (kCounts) {
+    constexpr std::int64_t kShift = std::int64_t(1) << 40;  // what is positive is cut off downwards
+    return static_cast<std::int32_t>(
+        static_cast<std::int64_t>((x - origin_[d]) * per_unit_ + (static_cast<double>(kShift) + 0.5)) - kShift);
+  } else {
+    return x;
   }
 }
 
 template <class Real>
-void SheetMotion<Real>::load(const Nodes& x, const Nodes& v) {
-  rows_.load(x, x_.data());
-  rows_.load(v, v_.data());
-  if (y_.empty()) return;
-  const Xyz<Real> from = x_.data(), rate = v_.data(), to = y_.data();
-  const Real damping = rows_.shape().bending_damping;
-  for (int k = 0; k < rows_.node_count(); ++k) {
-    const std::ptrdiff_t at = rows_.place(k);
-    to.x[at] = from.x[at] + damping * rate.x[at];
-    to.y[at] = from.y[at] + damping * rate.y[at];
-    to.z[at] = from.z[at] + damping * rate.z[at];
+double SheetMotion<Real>::position(std::ptrdiff_t place, int d) const {
+  return origin_[d] + unit_ * static_cast<double>(x_.data()[place + d * rows_.width()]);
+}
+
+template <class Real>
+void SheetMotion<Real>::put(std::ptrdiff_t place, std::ptrdiff_t own, const Vec3& x, const Vec3& v) {
+  const double lag = static_cast<double>(rows_.shape().bending_damping);
+  for (int d = 0; d < 3; ++d, place += rows_.width(), own += rows_.width()) {
+    x_.data()[place] = counted(x[d], d);
+    v_.data()[place] = static_cast<Real>(v[d]);
+    if (y_.empty()) continue;
+    y_.data()[place] =
+        static_cast<Real>(x_.data()[place] - start_.data()[own]) + static_cast<Real>(lag * v[d] * per_unit_);
   }
+}
+
+template <class Real>
+void SheetMotion<Real>::load(const Nodes& x, const Nodes& v, double dt) {
+  choose_unit(x, v, dt);
+  const double *from = x.data() + 3 * rows_.first_node(), *rate = v.data() + 3 * rows_.first_node();
+  Position* to = x_.data();
+  Real* to_v = v_.data();
+  const int width = rows_.width();
+  rows_.for_each_node([&](int, std::ptrdiff_t place) {
+    for (int d = 0; d < 3; ++d) {
+      to[place + d * width] = counted(*from++, d);
+      to_v[place + d * width] = static_cast<Real>(*rate++);
+    }
+  });
+  kernels_.begin(rows_.shape(), numbers());
 }
 
 template <class Real>
 void SheetMotion<Real>::store(Nodes* x, Nodes* v) {
-  rows_.store(x_.data(), x);
-  rows_.store(v_.data(), v);
+  double *to = x->data() + 3 * rows_.first_node(), *to_v = v->data() + 3 * rows_.first_node();
+  const Real* rate = v_.data();
+  const int width = rows_.width();
+  double fastest = 0.0;
+  rows_.for_each_node([&](int, std::ptrdiff_t place) {
+    for (int d = 0; d < 3; ++d) {
+      *to++ = position(place, d);
+      const auto speed = static_cast<double>(rate[place + d * width]);
+      *to_v++ = speed;
+      fastest = std::max(fastest, std::abs(speed));
+    }
+  });
+  if (kCounts && fastest > fastest_) to[-1] = std::numeric_limits<double>::quiet_NaN();
 }
 
 template <class Real>
 void SheetMotion<Real>::get(int node, Vec3* x, Vec3* v) {
-  const std::ptrdiff_t at = rows_.place(node - rows_.first_node());
-  const Xyz<Real> from = x_.data(), rate = v_.data();
-  *x = Vec3(static_cast<double>(from.x[at]), static_cast<double>(from.y[at]), static_cast<double>(from.z[at]));
-  *v = Vec3(static_cast<double>(rate.x[at]), static_cast<double>(rate.y[at]), static_cast<double>(rate.z[at]));
+  const std::ptrdiff_t place = rows_.place(node - rows_.first_node());
+  for (int d = 0; d < 3; ++d) {
+    (*x)[d] = position(place, d);
+    (*v)[d] = static_cast<double>(v_.data()[place + d * rows_.width()]);
+  }
 }
 
 template <class Real>
 void SheetMotion<Real>::set(int node, const Vec3& x, const Vec3& v) {
-  const std::ptrdiff_t at = rows_.place(node - rows_.first_node());
-  const auto put = [at](const Xyz<Real>& to, const Vec3& value) {
-    to.x[at] = static_cast<Real>(value[0]);
-    to.y[at] = static_cast<Real>(value[1]);
-    to.z[at] = static_cast<Real>(value[2]);
-  };
-  put(x_.data(), x);
-  put(v_.data(), v);
-  if (!y_.empty()) put(y_.data(), x + static_cast<double>(rows_.shape().bending_damping) * v);
+  const std::ptrdiff_t own = rows_.place(node - rows_.first_node());
+  rows_.for_each_place(node - rows_.first_node(), [&](std::ptrdiff_t place) { put(place, own, x, v); });
+}
+
+template <class Real>
+MotionLeap<Real> SheetMotion<Real>::numbers() {
+  MotionLeap<Real> leap{};
+  leap.x = x_.data();
+  leap.unit = static_cast<Real>(unit_);
+  leap.v = v_.data();
+  leap.start = start_.empty() ? nullptr : start_.data();
+  leap.y = y_.empty() ? nullptr : y_.data();
+  leap.bent = bent_.empty() ? nullptr : bent_.data();
+  leap.gain = gain_.data();
+  leap.force = force_.empty() ? nullptr : force_.data();
+  leap.keeps = keeps_.data();
+  for (size_t k = 0; k < row_.size(); ++k) leap.rows[k] = row_[k].data();
+  leap.passed = passed_.data();
+  return leap;
 }
 
 template <class Real>
 void SheetMotion<Real>::leap(double kick, double drift, const MassForce& everywhere, const Nodes* more) {
   const double half = 0.5 * everywhere.rate * kick;
-  SheetLeap<Real> leap{};
-  leap.x = x_.data();
-  leap.v = v_.data();
-  leap.y = y_.empty() ? leap.x : y_.data();
-  leap.gain = gain_.data();
-  leap.free = free_.data();
-  leap.keep = static_cast<Real>((1.0 - half) / (1.0 + half));
+  MotionLeap<Real> leap = numbers();
+  leap.lost = static_cast<Real>(2.0 * half / (1.0 + half));
   leap.kick = static_cast<Real>(kick / (1.0 + half));
   leap.drift = static_cast<Real>(drift);
   for (int k = 0; k < 3; ++k) leap.gravity[k] = static_cast<Real>(everywhere.acceleration[k]);
   if (more != nullptr) {
-    if (more_.empty()) more_ = rows_.make_xyz();
+    if (more_.empty()) more_ = rows_.template make_points<Real>();
     leap.more = more_.data();
-    rows_.load(*more, leap.more);
+    const double* from = more->data() + 3 * rows_.first_node();
+    rows_.for_each_node([&](int, std::ptrdiff_t place) {
+      for (int d = 0; d < 3; ++d) more_.data()[place + d * rows_.width()] = static_cast<Real>(*from++);
+    });
   }
-  leap.force = force_.data();
-  leap.keeps = keeps_.data();
-  kernels_.leap(rows_.shape(), leap, rows_.scratch());
+  kernels_.leap(rows_.shape(), leap);
 }
 
 template <class Real>
 void SheetMotion<Real>::add_held_forces(double weight, Nodes* forces) {
-  const Xyz<Real> from = force_.data();
   for (const Held& held : held_) {
-    const std::ptrdiff_t at = held.place;
-    forces->col(held.column) += weight * Vec3(static_cast<double>(from.x[at]), static_cast<double>(from.y[at]),
-                                              static_cast<double>(from.z[at]));
+    for (int d = 0; d < 3; ++d) {
+      (*forces)(d, held.column) += weight * static_cast<double>(force_.data()[held.place + d * rows_.width()]);
+    }
   }
 }
 

@@ -18,7 +18,7 @@ constexpr int kHalvings = 8;
 constexpr double kLinearShare = 0.3;
 constexpr double kAtRest = 1e-3;
 constexpr int kFrictionIterations = 5;
-constexpr int kRoughShare = 2;
+constexpr int kMore = 4;
 
 constexpr double kDigits = 1e-4;  // relative residual that single precision can give
 
@@ -28,7 +28,7 @@ SheetSolve::SheetSolve(const GridSheet& sheet, const Dynamics& d, const SolverSe
     : settings_(settings),
       rows_(sheet),
       kernels_(stage_kernels(simd_level())),
-      forces_(sheet_kernels(simd_level(), double())),
+      forces_(sheet_kernels(simd_level())),
       first_(sheet.first_node),
       count_(sheet.node_count()),
       x_(rows_.make_xyz()),
@@ -76,7 +76,7 @@ StepReport SheetSolve::solve(const StageEquation& equation, const State& start, 
   const double enough = settings_.tolerance;
   report.converged = report.residual <= kAtRest * enough;
   const int most = settings_.newton_iterations;
-  for (int k = 0; k < most || (k < kRoughShare * most && is_rough(report)); ++k) {
+  for (int k = 0; k < most || (k < most + kMore && is_rough(report)); ++k) {
     if (report.converged) break;
     couple();
     system_->linearise(x_.data(), rows_.shape());
@@ -282,7 +282,7 @@ void SheetSolve::store(State* end, Nodes* force, Nodes* outer_force) {
   for (int k = 0; k < 3; ++k) all.weight[k] = around_->everywhere.acceleration[k];
   all.points = end->x.data() + offset;
   all.velocities = end->v.data() + offset;
-  all.forces = force->data() + offset;
+  all.forces = equation_.force_wanted ? force->data() + offset : nullptr;
   kernels_.end(rows_.shape(), all);
   for (const Held& held : held_) {
     const std::ptrdiff_t place = rows_.place(held.node);

@@ -110,7 +110,7 @@ class SubsteppedVerlet : public Integrator {
       held_v_.col(i) = s.v.col(node);
       work_.v.col(node) = (k.target.col(i) - s.x.col(node)) / dt;
     }
-    for (auto& sheet : sheets_) sheet->load(work_.x, work_.v);
+    for (auto& sheet : sheets_) sheet->load(work_.x, work_.v, dt);
     impulse_.assign(d.contacts.size(), Vec3::Zero());
     if (!d.contacts.empty()) find_contact_nodes(d);
   }

@@ -37,35 +37,17 @@ struct Xyz {
   Real *x, *y, *z;
 };
 
-/// Space for some rows of forces.
+/// Space for a row of forces.
 template <class Real>
 struct SheetScratch {
   static constexpr int kPassed = 9;
-  Xyz<Real> force[3];  // each laid out as one row
-  Real* passed;        // kPassed * stride numbers: forces of one row on the next
+  Real* passed;  // kPassed * stride numbers: forces of one row on the next
 };
 
-/// One part of an explicit step: kick, then drift.
-///   v += free * ((keep - 1) v + kick g) + gain * kick * f,   x += drift * v,   y = x + bending_damping v
-template <class Real>
-struct SheetLeap {
-  Xyz<Real> x, v, y;  // y: what bends; the same arrays as x without bending damping
-  const Real* gain;   // 1/kg by node, laid out as x: 0 at held nodes
-  const Real* free;   // 1 by node, 0 at held nodes
-  Real keep, kick, drift;
-  Real gravity[3];
-  Xyz<Real> more;              // N, further forces; null pointers: none
-  Xyz<Real> force;             // N, written in the rows that ...
-  const unsigned char* keeps;  // ... this marks
-};
-
-template <class Real>
 struct SheetKernels {
-  int width;  // numbers a register
-  /// force: N of all nodes, laid out as x; y as in SheetLeap.
-  void (*forces)(const SheetShape<Real>&, Xyz<Real> x, Xyz<Real> v, Xyz<Real> y, Xyz<Real> force,
-                 const SheetScratch<Real>&);
-  void (*leap)(const SheetShape<Real>&, const SheetLeap<Real>&, const SheetScratch<Real>&);
+  /// force: N of all nodes, laid out as x; y = x + bending_damping v, what bends.
+  void (*forces)(const SheetShape<double>&, Xyz<double> x, Xyz<double> v, Xyz<double> y, Xyz<double> force,
+                 const SheetScratch<double>&);
 };
 
 enum class SimdLevel { kSse2, kAvx2, kAvx512 };
@@ -74,7 +56,6 @@ enum class SimdLevel { kSse2, kAvx2, kAvx512 };
 SimdLevel simd_level();
 const char* name_of(SimdLevel level);
 
-const SheetKernels<float>& sheet_kernels(SimdLevel level, float);
-const SheetKernels<double>& sheet_kernels(SimdLevel level, double);
+const SheetKernels& sheet_kernels(SimdLevel level);
 
 }  // namespace deformable_sim

@@ -87,7 +87,6 @@ class SheetRows {
   int first_node_;
   std::vector<std::vector<Real>> coefficients_;
   std::vector<const Real*> bending_;
-  std::vector<XyzArray<Real>> buffers_;
   RowArray<Real> passed_;
 };
 

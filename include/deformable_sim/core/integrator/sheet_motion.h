@@ -1,25 +1,30 @@
 // A sheet on a grid in motion, in the rows and the precision that its kernels work in.
 #pragma once
 
+#include <array>
+#include <type_traits>
 #include <vector>
 
 #include "deformable_sim/core/energy/energy.h"
 #include "deformable_sim/core/grasp/kinematics.h"
-#include "deformable_sim/core/grid/sheet_rows.h"
+#include "deformable_sim/core/grid/motion_rows.h"
 
 namespace deformable_sim {
 
-/// Positions and velocities of one sheet between the start and the end of a step.
+/// Positions and velocities of one sheet between the start and the end of a step. In single precision positions are
+/// counted from the middle of the sheet, in 2^31 units for what a node can reach within the step; a sheet that has
+/// become much faster than that is given back as not a number, so that the step is taken again in parts.
 template <class Real>
 class SheetMotion {
  public:
   /// mass: kg of all nodes; held: their indices, ascending.
-  SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& mass, const std::vector<int>& held);
+  SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& mass, const std::vector<int>& held,
+              SimdLevel level = simd_level());
 
   bool contains(int node) const { return node >= rows_.first_node() && node < rows_.first_node() + rows_.node_count(); }
 
-  /// Velocities of held nodes are those of their paths.
-  void load(const Nodes& x, const Nodes& v);
+  /// dt: s, of the step that begins. Velocities of held nodes are those of their paths.
+  void load(const Nodes& x, const Nodes& v, double dt);
   void store(Nodes* x, Nodes* v);
   void get(int node, Vec3* x, Vec3* v);
   void set(int node, const Vec3& x, const Vec3& v);
@@ -31,14 +36,27 @@ class SheetMotion {
   void add_held_forces(double weight, Nodes* forces);
 
  private:
+  using Position = typename MotionPosition<Real>::Type;
+  static constexpr bool kCounts = std::is_integral<Position>::value;
   struct Held {
     Eigen::Index column;  // in Kinematics
     std::ptrdiff_t place;
   };
-  SheetRows<Real> rows_;
-  const SheetKernels<Real>& kernels_;
-  XyzArray<Real> x_, v_, y_, force_, more_;
-  RowArray<Real> gain_, free_;
+  MotionLeap<Real> numbers();
+  void choose_unit(const Nodes& x, const Nodes& v, double dt);
+  Position counted(double x, int d) const;
+  double position(std::ptrdiff_t place, int d) const;
+  void put(std::ptrdiff_t place, std::ptrdiff_t own, const Vec3& x, const Vec3& v);
+
+  const MotionKernels<Real>& kernels_;
+  MotionRows<Real> rows_;
+  RowArray<Position> x_, start_;
+  RowArray<Real> v_, y_, bent_, force_, more_, gain_, passed_;
+  std::array<RowArray<Real>, 3> row_;
+  Vec3 origin_ = Vec3::Zero();
+  double longest_;                      // m, of the springs at rest
+  double unit_ = 1.0, per_unit_ = 1.0;  // m, 1/m
+  double fastest_ = 0.0;                // m/s, at the end of a step: of what cannot have left the range
   std::vector<Held> held_;
   std::vector<unsigned char> keeps_;  // by row: has a held node
 };

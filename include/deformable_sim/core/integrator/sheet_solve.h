@@ -66,7 +66,7 @@ class SheetSolve {
   SolverSettings settings_;
   SheetRows<double> rows_;
   const StageKernels& kernels_;
-  const SheetKernels<double>& forces_;
+  const SheetKernels& forces_;
   int first_, count_;
   std::vector<double> mass_;  // by node of the sheet
   struct Held {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/core/integrator/penalty_contacts.h"
@@ -26,6 +27,7 @@ struct StageEquation {
   double fraction = 1.0;               // of the way of prescribed nodes from the start to their targets
   double remaining = 0.0;              // s from the stage to the end of the step
   double contact_unit = 0.0;           // s, dt of the contacts' stiffness
+  bool force_wanted = true;            // force() will be asked for
 
   PenaltyContacts::Span contact_span() const { return {duration, remaining, contact_unit}; }
 };
@@ -47,13 +49,16 @@ class StageSolver {
   virtual void find_held_force(const State& s, const Dynamics& d, Nodes* f) { find_force(s, d, f); }
   /// Of the last solve: x, v and time at the stage; may be swapped away.
   virtual State& end() = 0;
-  /// The terms' force there, N.
+  /// The terms' force there, N; of no meaning where it was not wanted.
   virtual const Nodes& force() const = 0;
   /// M a - f - more_force there, N: what holders and contacts do to the nodes. May be known at held nodes only.
   virtual const Nodes& outer_force() const = 0;
   /// Writes the force of each contact.
   virtual void report_contacts(ContactConstraints* contacts) const = 0;
 };
+
+/// Schemes that solve stages with make_stage_solver() and need a matrix for nothing else.
+bool is_in_stages(const std::string& integrator);
 
 /// What settings.linear asks for: SheetStage for multigrid, ImplicitStage for all else.
 std::unique_ptr<StageSolver> make_stage_solver(const SolverSettings& settings);
