@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "deformable_sim/core/energy/constant_links.h"
+#include "deformable_sim/core/energy/quadratic_term.h"
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/linear/block_kernels.h"
 #include "deformable_sim/core/linear/row_order.h"
@@ -13,7 +14,7 @@ namespace deformable_sim {
 namespace {
 
 /// E = sum w/2 |x_b - x_a|^2; a weight may be negative, only the sum must not be. Damping as by the same matrix.
-class QuadraticLinks : public Energy {
+class QuadraticLinks : public Energy, public QuadraticTerm {
  public:
   QuadraticLinks(std::string name, std::vector<QuadraticWeight> weights, double damping, int first_node)
       : name_(std::move(name)), weights_(std::move(weights)), kernels_(block_kernels(simd_level())) {
@@ -58,6 +59,14 @@ class QuadraticLinks : public Energy {
     }
   }
 
+  void add_entries(std::vector<Eigen::Triplet<double>>* stiffness,
+                   std::vector<Eigen::Triplet<double>>* damping) const override {
+    for (const QuadraticWeight& w : weights_) {
+      add_link(world(w.a), world(w.b), w.weight, stiffness);
+      if (links_.damping != 0.0) add_link(world(w.a), world(w.b), links_.damping * w.weight, damping);
+    }
+  }
+
   void add_jacobian(const State&, double dx, double dv, Jacobian, BlockMatrix* a) const override {
     const double scale = dx + dv * links_.damping;
     for (size_t k = 0; k < weights_.size(); ++k) {
@@ -69,6 +78,12 @@ class QuadraticLinks : public Energy {
   }
 
  private:
+  static void add_link(int a, int b, double weight, std::vector<Eigen::Triplet<double>>* to) {
+    to->emplace_back(a, a, weight);
+    to->emplace_back(b, b, weight);
+    to->emplace_back(a, b, -weight);
+    to->emplace_back(b, a, -weight);
+  }
   int world(int node) const { return links_.first_node + node; }
 
   void fill_rows() {

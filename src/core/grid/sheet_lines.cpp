@@ -15,6 +15,21 @@ int whole_registers(int count) {
   return (count + kMost - 1) / kMost * kMost;
 }
 
+/// In double precision: itself, or a copy in `to`.
+Xyz<double> widened(const SheetShape<double>&, Xyz<double> from, const SheetShape<double>&, XyzArray<double>*) {
+  return from;
+}
+Xyz<double> widened(const SheetShape<float>& s, Xyz<float> from, const SheetShape<double>& wide, XyzArray<double>* to) {
+  const Xyz<double> out = to->data();
+  for (int row = 0; row < s.rows; ++row) {
+    const std::ptrdiff_t a = row * s.stride, b = row * wide.stride;
+    std::copy_n(from.x + a, s.cols, out.x + b);
+    std::copy_n(from.y + a, s.cols, out.y + b);
+    std::copy_n(from.z + a, s.cols, out.z + b);
+  }
+  return out;
+}
+
 template <class Real>
 void set_at(const Xyz<Real>& array, std::ptrdiff_t place, Real value) {
   array.x[place] = array.y[place] = array.z[place] = value;
@@ -25,7 +40,8 @@ void set_at(const Xyz<Real>& array, std::ptrdiff_t place, Real value) {
 template <class Real>
 SheetLines<Real>::SheetLines(const GridSheet& sheet, const std::vector<int>& held)
     : rows_(sheet),
-      forces_(sheet_kernels(simd_level(), Real())),
+      exact_rows_(sheet),
+      forces_(sheet_kernels(simd_level())),
       kernels_(line_kernels(simd_level(), Real())),
       damped_(sheet.damping_time > 0.0),
       bends_(!sheet.bending.empty()),
@@ -51,7 +67,12 @@ SheetLines<Real>::SheetLines(const GridSheet& sheet, const std::vector<int>& hel
       }
     }
   }
-  force_ = rows_.make_xyz();
+  force_ = exact_rows_.make_xyz();
+  if constexpr (!std::is_same_v<Real, double>) {
+    wide_x_ = exact_rows_.make_xyz();
+    if (damped_) wide_v_ = exact_rows_.make_xyz();
+    if (bends_ && sheet.bending_damping > 0.0) wide_y_ = exact_rows_.make_xyz();
+  }
   if (damped_) v_ = rows_.make_xyz();
   space_ = {1, LineMotion<Real>::kNumbers * kernels_.width * std::max(sheet.rows, sheet.cols)};
   for (size_t i = 0; i < held.size(); ++i) {
@@ -277,8 +298,11 @@ void SheetLines<Real>::add_forces(Nodes* forces) {
     v = v_.data();
     kernels_.rate(s, x, base, static_cast<Real>(1.0 / tau_), v);
   }
-  forces_.forces(s, x, v, y, force_.data(), rows_.scratch());
-  rows_.add(force_.data(), forces);
+  const Xyz<double> wide_x = widened(s, x, exact_rows_.shape(), &wide_x_);
+  const Xyz<double> wide_v = v.x == x.x ? wide_x : widened(s, v, exact_rows_.shape(), &wide_v_);
+  const Xyz<double> wide_y = y.x == x.x ? wide_x : widened(s, y, exact_rows_.shape(), &wide_y_);
+  forces_.forces(exact_rows_.shape(), wide_x, wide_v, wide_y, force_.data(), exact_rows_.scratch());
+  exact_rows_.add(force_.data(), forces);
 }
 
 template class SheetLines<float>;

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "deformable_sim/core/element/line_drag.h"
-#include "deformable_sim/core/element/quadratic_link.h"
 #include "deformable_sim/core/element/sheet_drag.h"
 #include "deformable_sim/core/element/spring.h"
 #include "deformable_sim/core/energy/element_energy.h"
@@ -15,19 +14,6 @@ namespace deformable_sim {
 namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
-
-void add_links(const ElementEnergy<QuadraticLink>& links, Entries* stiffness, Entries* damping) {
-  const auto add = [](int a, int b, double weight, Entries* to) {
-    to->emplace_back(a, a, weight);
-    to->emplace_back(b, b, weight);
-    to->emplace_back(a, b, -weight);
-    to->emplace_back(b, a, -weight);
-  };
-  for (const auto& e : links.elements()) {
-    add(e.node[0], e.node[1], e.rest.weight, stiffness);
-    if (e.rest.damping != 0.0) add(e.node[0], e.node[1], e.rest.damping, damping);
-  }
-}
 
 bool couples_nothing(const Energy& energy) {
   std::vector<std::array<int, 2>> pairs;
@@ -57,8 +43,6 @@ KnownTerms sort_terms(const std::string& integrator, const std::vector<const Ene
         known.springs.push_back({e.node[0], e.node[1], e.rest.length, e.rest.stiffness, e.rest.damping, term});
       }
       ++term;
-    } else if (const auto* links = dynamic_cast<const ElementEnergy<QuadraticLink>*>(energy)) {
-      add_links(*links, &stiffness, &damping);
     } else if (const auto* quadratic = dynamic_cast<const QuadraticTerm*>(energy)) {
       quadratic->add_entries(&stiffness, &damping);
     } else if (const auto* targets = dynamic_cast<const TargetSprings*>(energy)) {

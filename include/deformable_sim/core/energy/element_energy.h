@@ -145,7 +145,6 @@ class ElementEnergy : public Energy {
 
  protected:
   using Slots = std::array<int, kPoints * kPoints>;
-  const std::vector<Element>& elements() const { return elements_; }
   /// Of each element's blocks, by rows; once bound.
   const std::vector<Slots>& slots() const { return slots_; }
 

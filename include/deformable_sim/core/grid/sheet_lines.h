@@ -67,7 +67,8 @@ class SheetLines {
   Real* tension(int family, Last last);
 
   SheetRows<Real> rows_;
-  const SheetKernels<Real>& forces_;
+  SheetRows<double> exact_rows_;  // for forces, which have no kernels in single precision
+  const SheetKernels& forces_;
   const LineKernels<Real>& kernels_;
   bool damped_, bends_;
   Layout plain_, turned_;                       // turned: rows and columns changed
@@ -75,7 +76,8 @@ class SheetLines {
   XyzArray<Real> y_, bent_, wr_, step_, next_;  // of bending; bent_: what it has moved
   double stiffest_ = 0.0;                       // N/m, of any row of K
   double largest_weight_ = 0.0;
-  XyzArray<Real> v_, force_;
+  XyzArray<Real> v_;
+  XyzArray<double> force_, wide_x_, wide_v_, wide_y_;
   std::vector<RowArray<Real>> tensions_;  // N, one a family of lines
   RowArray<Real> space_;
   std::vector<Held> held_;
