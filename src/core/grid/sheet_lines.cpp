@@ -254,6 +254,22 @@ void SheetLines<Real>::solve_diagonals(Last last) {
 }
 
 template <class Real>
+Vec3 SheetLines<Real>::position(int node) {
+  const std::ptrdiff_t at = rows_.place(node - rows_.first_node());
+  const Xyz<Real> x = plain_.x.data();
+  return {static_cast<double>(x.x[at]), static_cast<double>(x.y[at]), static_cast<double>(x.z[at])};
+}
+
+template <class Real>
+void SheetLines<Real>::move_to(int node, const Vec3& position) {
+  const std::ptrdiff_t at = rows_.place(node - rows_.first_node());
+  const Xyz<Real> x = plain_.x.data();
+  x.x[at] = static_cast<Real>(position[0]);
+  x.y[at] = static_cast<Real>(position[1]);
+  x.z[at] = static_cast<Real>(position[2]);
+}
+
+template <class Real>
 void SheetLines<Real>::add_held_forces(Nodes* forces) {
   const Xyz<Real> here = plain_.pull.data(), there = turned_.pull.data();
   for (const Held& held : held_) {

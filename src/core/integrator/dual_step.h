@@ -46,6 +46,10 @@ class DualStep {
   void sort(const Dynamics& d);
   void find_responses(double dt, const DualFormula& f, const Dynamics& d);
   void predict(double dt, const DualFormula& f, const State& local, const Dynamics& d, const State& s);
+  void press(const ContactConstraints& contacts);
+  void press_in_rows(const ContactConstraints& contacts);
+  void push(const ContactConstraint& contact, double force, Nodes* x) const;
+  void release(double dt, const ContactConstraints& contacts, const State& start);
   Bending& bending_matrix(double dt, const DualFormula& f, const Dynamics& d);
   void bend(const DualFormula& f, Bending* matrix, const Kinematics& kinematics);
   Vec3 bending_force(Eigen::Index node, const Nodes& x, const Nodes& base, double per_tau) const;
@@ -74,6 +78,7 @@ class DualStep {
   Bending bending_[2];
   Nodes bent_, solution_;
   bool bent_before_ = false;
+  std::vector<double> pressed_;  // N, by contact
   ImpulseContacts impulses_;
 };
 

@@ -29,6 +29,9 @@ class SheetLines {
   void sweep(Last last);
   /// Positions into the columns of the sheet's nodes.
   void store(Nodes* x) { rows_.store(plain_.x.data(), x); }
+  bool contains(int node) const { return node >= rows_.first_node() && node < rows_.first_node() + rows_.node_count(); }
+  Vec3 position(int node);
+  void move_to(int node, const Vec3& x);
   /// Goes on from other positions (3 x all nodes, m).
   void move_to(const Nodes& x) { rows_.load(x, plain_.x.data()); }
   /// forces += the force (N) on held nodes that the sweeps have ended with; columns as in `held`.
