@@ -23,10 +23,11 @@ void set_at(const Xyz<Real>& array, std::ptrdiff_t place, Real value) {
 }  // namespace
 
 template <class Real>
-SheetLines<Real>::SheetLines(const GridSheet& sheet, const std::vector<int>& held)
+SheetLines<Real>::SheetLines(const GridSheet& sheet, const std::vector<int>& held, LineSolve how)
     : rows_(sheet),
       forces_(sheet_kernels(simd_level(), Real())),
       kernels_(line_kernels(simd_level(), Real())),
+      how_(how),
       damped_(sheet.damping_time > 0.0),
       bends_(!sheet.bending.empty()),
       weights_(static_cast<size_t>(sheet.node_count()), -1.0),
@@ -218,8 +219,17 @@ void SheetLines<Real>::solve(const Straight& springs, Layout* layout, Last last)
     lines.keeps = layout->keeps.data() + begin;
     for (int line = 0; line < springs.lines && count > 0; line += kernels_.width) {
       lines.across = springs.across + line;
-      kernels_.solve(lines, moved, begin * layout->stride + line, 0, count, fresh_);
+      solve(lines, moved, begin * layout->stride + line, 0, count);
     }
+  }
+}
+
+template <class Real>
+void SheetLines<Real>::solve(const GridLines<Real>& lines, const LineMotion<Real>& moved, std::ptrdiff_t at, int first,
+                             int last) const {
+  if (how_ == LineSolve::kWhole) return kernels_.solve(lines, moved, at, first, last, fresh_);
+  for (int odd : {0, 1}) {
+    for (int k = first + (first + odd) % 2; k < last; k += 2) kernels_.solve(lines, moved, at, k, k + 1, fresh_);
   }
 }
 
@@ -240,16 +250,14 @@ void SheetLines<Real>::solve_diagonals(Last last) {
   lines.across_step = 1;
   for (int first = -(s.rows - 2); first <= s.cols - 2; first += width) {
     lines.across = s.shear + first;
-    kernels_.solve(lines, moved, first, std::max(0, 1 - first - width), std::min(s.rows - 1, s.cols - 1 - first),
-                   fresh_);
+    solve(lines, moved, first, std::max(0, 1 - first - width), std::min(s.rows - 1, s.cols - 1 - first));
   }
   lines.tension = tension(kRising, last);
   lines.step = s.stride - 1;
   lines.across_step = -1;
   for (int first = 1; first <= s.rows + s.cols - 3; first += width) {
     lines.across = s.shear + first - 1;
-    kernels_.solve(lines, moved, first, std::max(0, first - s.cols + 1), std::min(s.rows - 1, first + width - 1),
-                   fresh_);
+    solve(lines, moved, first, std::max(0, first - s.cols + 1), std::min(s.rows - 1, first + width - 1));
   }
 }
 

@@ -50,9 +50,10 @@ void DualStep<Real>::sort(const Dynamics& d) {
   const Eigen::Index n = d.mass->size();
   std::vector<const Energy*> in_rows;
   sheets_.clear();
-  if (d.grids != nullptr && grouping_ == SpringChains::Grouping::kLines) {
+  const LineSolve how = grouping_ == SpringChains::Grouping::kLines ? LineSolve::kWhole : LineSolve::kSpringBySpring;
+  if (d.grids != nullptr) {
     for (const GridSheet& grid : *d.grids) {
-      sheets_.push_back(std::make_unique<SheetLines<Real>>(grid, d.kinematics.node));
+      sheets_.push_back(std::make_unique<SheetLines<Real>>(grid, d.kinematics.node, how));
       in_rows.insert(in_rows.end(), grid.replaces.begin(), grid.replaces.end());
     }
   }
