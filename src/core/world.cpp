@@ -9,7 +9,7 @@
 
 #include <time.h>
 
-#include "deformable_sim/core/integrator/known_terms.h"
+#include "deformable_sim/core/energy/known_terms.h"
 #include "world_parts.h"
 
 namespace deformable_sim {

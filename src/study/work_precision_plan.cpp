@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deformable_sim/core/energy/known_terms.h"
 #include "deformable_sim/core/error.h"
-#include "deformable_sim/core/integrator/known_terms.h"
 #include "work_precision_run.h"
 
 namespace deformable_sim::work_precision {

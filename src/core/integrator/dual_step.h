@@ -6,6 +6,7 @@
 
 #include "deformable_sim/core/grid/sheet_lines.h"
 #include "deformable_sim/core/integrator/impulse_contacts.h"
+#include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/core/integrator/spring_chains.h"
 #include "deformable_sim/core/linear/constant_factor.h"
 
