@@ -9,7 +9,7 @@
 
 #include <time.h>
 
-#include "deformable_sim/core/integrator/known_terms.h"
+#include "deformable_sim/core/energy/known_terms.h"
 #include "deformable_sim/core/integrator/sheet_stage.h"
 #include "world_parts.h"
 

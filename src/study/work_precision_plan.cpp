@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deformable_sim/core/energy/known_terms.h"
 #include "deformable_sim/core/error.h"
-#include "deformable_sim/core/integrator/known_terms.h"
 #include "work_precision_run.h"
 
 namespace deformable_sim::work_precision {
@@ -118,18 +118,18 @@ std::vector<Configuration> explicit_configurations(const Case& c, const std::str
 std::vector<Configuration> known_terms_configurations(const Case& c, const std::string& integrator,
                                                       study::Effort effort) {
   std::vector<Configuration> all;
-  const bool quick = effort == study::Effort::kQuick, lines = integrator == "line_dual";
+  const bool quick = effort == study::Effort::kQuick;
   const bool global = integrator == "projective_dynamics";
   Configuration k;
   k.integrator = integrator;
-  k.linear_solver = lines ? "lines" : global ? "constant" : "springs";
+  k.linear_solver = integrator == "line_dual" ? "lines" : global ? "constant" : "springs";
   std::vector<int> iterations = global ? std::vector<int>{4, 20} : std::vector<int>{1, 2, 4};
   if (quick) iterations.resize(1);
   for (const int n : iterations) {
     k.newton_iterations = n;
     k.precision = "double";
     all.push_back(k);
-    if (!lines || quick || c.features.kind != "cloth") continue;
+    if (global || quick || c.features.kind != "cloth") continue;
     k.precision = "single";
     all.push_back(k);
   }

@@ -26,7 +26,7 @@ CORE_RULES = {
     'energy/': ['types.h', 'error.h', 'state.h', 'element/', 'material/', 'topology/', 'linear/', 'rod_frames.h', 'energy/'],
     'grid/': ['types.h', 'error.h', 'element/jacobian.h', 'linear/', 'material/', 'topology/', 'grid/'],
     'integrator/': ['types.h', 'error.h', 'state.h', 'linear/', 'element/jacobian.h', 'energy/energy.h', 'energy/terms.h', 'energy/limit_springs.h',
-                    'contact/constraint.h', 'grasp/kinematics.h', 'grid/', 'integrator/'],
+                    'energy/known_terms.h', 'contact/constraint.h', 'grasp/kinematics.h', 'grid/', 'integrator/'],
     'contact/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'topology/', 'model.h', 'contact/'],
     'grasp/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'element/rod_frame.h', 'rod_frames.h', 'topology/', 'model.h',
                'energy/', 'grasp/'],

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "deformable_sim/core/energy/known_terms.h"
 #include "deformable_sim/core/integrator/integrator.h"
-#include "deformable_sim/core/integrator/known_terms.h"
 #include "deformable_sim/core/material/solid_law.h"
 #include "deformable_sim/scene/build.h"
 #include "deformable_sim/scene/load.h"

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "deformable_sim/core/energy/known_terms.h"
 #include "deformable_sim/core/energy/terms.h"
 #include "deformable_sim/core/integrator/integrator.h"
-#include "deformable_sim/core/integrator/known_terms.h"
 
 namespace deformable_sim::test {
 

@@ -12,6 +12,7 @@ namespace {
 struct TwinSpring {
   int a, b;
   double stiffness, length;
+  int number;  // in its line; of diagonals the row
 };
 using TwinLine = std::vector<TwinSpring>;
 
@@ -29,7 +30,8 @@ std::vector<TwinLine> lines_of(const GridSheet& g, const GridSprings& springs, i
                          : row_step == 0 ? springs.along[v] * springs.across[u]
                                          : springs.along[u] * springs.across[v];
         line.push_back({r * g.cols + c, (r + row_step) * g.cols + c + col_step, k,
-                        springs.empty() ? g.shear_length : springs.length});
+                        springs.empty() ? g.shear_length : springs.length,
+                        springs.empty() ? r : static_cast<int>(line.size())});
       }
       if (!line.empty()) lines.push_back(line);
     }
@@ -40,7 +42,7 @@ std::vector<TwinLine> lines_of(const GridSheet& g, const GridSprings& springs, i
 /// The same as SheetLines without bending, each line as a dense system in the changes of its tensions.
 class Twin {
  public:
-  Twin(const GridSheet& grid, Nodes y, Nodes base, Eigen::VectorXd weight, double tau)
+  Twin(const GridSheet& grid, LineSolve how, Nodes y, Nodes base, Eigen::VectorXd weight, double tau)
       : grid_(grid),
         x(std::move(y)),
         pull(Nodes::Zero(3, x.cols())),
@@ -55,6 +57,21 @@ class Twin {
     families_.push_back(lines_of(grid, grid.weft, 1, 0));
     for (const auto& family : families_) {
       for (const TwinLine& line : family) tensions_.emplace_back(line.size(), 0.0);
+    }
+    if (how == LineSolve::kWhole) return;
+    // Every spring a line of its own, even ones first.
+    tensions_.clear();
+    for (auto& family : families_) {
+      std::vector<TwinLine> single;
+      for (int odd : {0, 1}) {
+        for (const TwinLine& line : family) {
+          for (const TwinSpring& spring : line) {
+            if (spring.number % 2 == odd) single.push_back({spring});
+          }
+        }
+      }
+      family = single;
+      for (size_t k = 0; k < family.size(); ++k) tensions_.emplace_back(1, 0.0);
     }
   }
 
@@ -119,17 +136,17 @@ Eigen::VectorXd some_weights(const GridSheet& grid, Eigen::Index nodes, std::vec
 }
 
 template <class Real>
-void expect_twin(const GridTerms& sheet, int sweeps, double tolerance) {
+void expect_twin(const GridTerms& sheet, LineSolve how, int sweeps, double tolerance) {
   const GridSheet& grid = *sheet.grid;
   const Eigen::Index n = sheet.state.x.cols();
   std::vector<int> held;
   const Eigen::VectorXd weight = some_weights(grid, n, &held);
   const Nodes base = sheet.state.x - 1e-3 * sheet.state.v;
-  SheetLines<Real> lines(grid, held);
+  SheetLines<Real> lines(grid, held, how);
   lines.begin(sheet.state.x, base, weight, kTau);
   const int first = grid.first_node, count = grid.node_count();
-  Twin twin(grid, sheet.state.x.middleCols(first, count), base.middleCols(first, count), weight.segment(first, count),
-            kTau);
+  Twin twin(grid, how, sheet.state.x.middleCols(first, count), base.middleCols(first, count),
+            weight.segment(first, count), kTau);
   for (int k = 1; k <= sweeps; ++k) {
     lines.sweep(k == sweeps ? SheetLines<Real>::Last::kYes : SheetLines<Real>::Last::kNo);
     twin.sweep();
@@ -147,14 +164,16 @@ void expect_twin(const GridTerms& sheet, int sweeps, double tolerance) {
 
 TEST(SheetLines, SolveEveryLineAsItsDenseSystem) {
   // (1 / K + G W G^T) dt = (t(x) - t) / K line by line: rounding only, in each precision; sizes around a register, with
-  // every feature; once and again from the tensions at hand.
+  // every feature; once and again from the tensions at hand; whole lines, and spring by spring.
   for (const auto& [cells_x, cells_y] : {std::pair(1, 1), {2, 3}, {7, 4}, {15, 9}, {16, 2}, {33, 17}, {5, 34}}) {
     for (int bits = 0; bits < 4; ++bits) {
       const GridTerms sheet({cells_x, cells_y, true, (bits & 1) != 0, (bits & 2) != 0, false});
       SCOPED_TRACE(std::to_string(cells_x) + " x " + std::to_string(cells_y) + ", " + std::to_string(bits));
       for (int sweeps : {1, 3}) {
-        expect_twin<double>(sheet, sweeps, 1e-12);
-        expect_twin<float>(sheet, sweeps, 2e-5);
+        for (LineSolve how : {LineSolve::kWhole, LineSolve::kSpringBySpring}) {
+          expect_twin<double>(sheet, how, sweeps, 1e-12);
+          expect_twin<float>(sheet, how, sweeps, 2e-5);
+        }
       }
     }
   }

@@ -38,11 +38,12 @@ void set_at(const Xyz<Real>& array, std::ptrdiff_t place, Real value) {
 }  // namespace
 
 template <class Real>
-SheetLines<Real>::SheetLines(const GridSheet& sheet, const std::vector<int>& held)
+SheetLines<Real>::SheetLines(const GridSheet& sheet, const std::vector<int>& held, LineSolve how)
     : rows_(sheet),
       exact_rows_(sheet),
       forces_(sheet_kernels(simd_level())),
       kernels_(line_kernels(simd_level(), Real())),
+      how_(how),
       damped_(sheet.damping_time > 0.0),
       bends_(!sheet.bending.empty()),
       weights_(static_cast<size_t>(sheet.node_count()), -1.0),
@@ -239,8 +240,17 @@ void SheetLines<Real>::solve(const Straight& springs, Layout* layout, Last last)
     lines.keeps = layout->keeps.data() + begin;
     for (int line = 0; line < springs.lines && count > 0; line += kernels_.width) {
       lines.across = springs.across + line;
-      kernels_.solve(lines, moved, begin * layout->stride + line, 0, count, fresh_);
+      solve(lines, moved, begin * layout->stride + line, 0, count);
     }
+  }
+}
+
+template <class Real>
+void SheetLines<Real>::solve(const GridLines<Real>& lines, const LineMotion<Real>& moved, std::ptrdiff_t at, int first,
+                             int last) const {
+  if (how_ == LineSolve::kWhole) return kernels_.solve(lines, moved, at, first, last, fresh_);
+  for (int odd : {0, 1}) {
+    for (int k = first + (first + odd) % 2; k < last; k += 2) kernels_.solve(lines, moved, at, k, k + 1, fresh_);
   }
 }
 
@@ -261,17 +271,31 @@ void SheetLines<Real>::solve_diagonals(Last last) {
   lines.across_step = 1;
   for (int first = -(s.rows - 2); first <= s.cols - 2; first += width) {
     lines.across = s.shear + first;
-    kernels_.solve(lines, moved, first, std::max(0, 1 - first - width), std::min(s.rows - 1, s.cols - 1 - first),
-                   fresh_);
+    solve(lines, moved, first, std::max(0, 1 - first - width), std::min(s.rows - 1, s.cols - 1 - first));
   }
   lines.tension = tension(kRising, last);
   lines.step = s.stride - 1;
   lines.across_step = -1;
   for (int first = 1; first <= s.rows + s.cols - 3; first += width) {
     lines.across = s.shear + first - 1;
-    kernels_.solve(lines, moved, first, std::max(0, first - s.cols + 1), std::min(s.rows - 1, first + width - 1),
-                   fresh_);
+    solve(lines, moved, first, std::max(0, first - s.cols + 1), std::min(s.rows - 1, first + width - 1));
   }
+}
+
+template <class Real>
+Vec3 SheetLines<Real>::position(int node) {
+  const std::ptrdiff_t at = rows_.place(node - rows_.first_node());
+  const Xyz<Real> x = plain_.x.data();
+  return {static_cast<double>(x.x[at]), static_cast<double>(x.y[at]), static_cast<double>(x.z[at])};
+}
+
+template <class Real>
+void SheetLines<Real>::move_to(int node, const Vec3& position) {
+  const std::ptrdiff_t at = rows_.place(node - rows_.first_node());
+  const Xyz<Real> x = plain_.x.data();
+  x.x[at] = static_cast<Real>(position[0]);
+  x.y[at] = static_cast<Real>(position[1]);
+  x.z[at] = static_cast<Real>(position[2]);
 }
 
 template <class Real>

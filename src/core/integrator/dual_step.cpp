@@ -14,8 +14,11 @@ StepReport DualStep<Real>::advance(double dt, const DualFormula& f, const State&
   Bending* bending = terms_.stiffness.nonZeros() > 0 ? &bending_matrix(dt, f, *d) : nullptr;
   bent_before_ = false;
   chains_->begin(f.tau_v);
+  pressed_.assign(d->contacts.size(), 0.0);
+  if (!near_.empty()) press(d->contacts);
   for (auto& sheet : sheets_) sheet->begin(work_.x, *f.x_base, response_, f.tau_v);
   for (int k = 1; k <= sweeps_; ++k) {
+    if (k > 1 && !near_.empty()) press_in_rows(d->contacts);
     if (bending != nullptr) bend(f, bending, d->kinematics);
     if (!chains_->empty()) chains_->sweep(response_, *f.x_base, &work_.x, &pull_);
     for (auto& sheet : sheets_) {
@@ -26,6 +29,7 @@ StepReport DualStep<Real>::advance(double dt, const DualFormula& f, const State&
   find_velocities(dt, f, *d, *s);
   hold(f, d);
   if (!d->contacts.empty()) {
+    release(dt, d->contacts, *s);
     impulses_.resolve(d->contacts, inverse_mass_, dt, 1.0, &work_);
     for (size_t i = 0; i < d->contacts.size(); ++i) d->contacts[i].force = impulses_.impulse(i, d->contacts) / dt;
   }
@@ -46,9 +50,10 @@ void DualStep<Real>::sort(const Dynamics& d) {
   const Eigen::Index n = d.mass->size();
   std::vector<const Energy*> in_rows;
   sheets_.clear();
-  if (d.grids != nullptr && grouping_ == SpringChains::Grouping::kLines) {
+  const LineSolve how = grouping_ == SpringChains::Grouping::kLines ? LineSolve::kWhole : LineSolve::kSpringBySpring;
+  if (d.grids != nullptr) {
     for (const GridSheet& grid : *d.grids) {
-      sheets_.push_back(std::make_unique<SheetLines<Real>>(grid, d.kinematics.node));
+      sheets_.push_back(std::make_unique<SheetLines<Real>>(grid, d.kinematics.node, how));
       in_rows.insert(in_rows.end(), grid.replaces.begin(), grid.replaces.end());
     }
   }
@@ -100,6 +105,55 @@ void DualStep<Real>::find_responses(double dt, const DualFormula& f, const Dynam
   std::sort(near_.begin(), near_.end());
   near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
   for (int node : near_) set(node, dt, dt);
+}
+
+/// Normal forces of contacts, one after the other, so that springs meet the points where they will be.
+template <class Real>
+void DualStep<Real>::press(const ContactConstraints& contacts) {
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const ContactConstraint& c = contacts[i];
+    double gap = -c.offset, response = 0.0;
+    for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
+      gap += c.weight[k] * c.normal.dot(work_.x.col(c.node[k]));
+      response += c.weight[k] * c.weight[k] * response_[c.node[k]];
+    }
+    if (response == 0.0) continue;
+    const double force = std::max(0.0, pressed_[i] - gap / response);
+    push(c, force - pressed_[i], &work_.x);
+    pressed_[i] = force;
+  }
+}
+
+template <class Real>
+void DualStep<Real>::push(const ContactConstraint& c, double force, Nodes* x) const {
+  for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
+    x->col(c.node[k]) += (force * c.weight[k] * response_[c.node[k]]) * c.normal;
+  }
+}
+
+/// The same between sweeps, when sheets are in rows.
+template <class Real>
+void DualStep<Real>::press_in_rows(const ContactConstraints& contacts) {
+  for (int node : near_) {
+    for (auto& sheet : sheets_) {
+      if (sheet->contains(node)) work_.x.col(node) = sheet->position(node);
+    }
+  }
+  press(contacts);
+  for (int node : near_) {
+    for (auto& sheet : sheets_) {
+      if (sheet->contains(node)) sheet->move_to(node, work_.x.col(node));
+    }
+  }
+}
+
+/// Takes those forces back: the impulses at the end of the step, with friction, are to be the whole of the contacts'.
+template <class Real>
+void DualStep<Real>::release(double dt, const ContactConstraints& contacts, const State& start) {
+  for (size_t i = 0; i < contacts.size(); ++i) push(contacts[i], -pressed_[i], &work_.x);
+  for (int node : near_) {
+    if (inverse_mass_[node] > 0.0) work_.v.col(node) = (work_.x.col(node) - start.x.col(node)) / dt;
+  }
 }
 
 /// Where nodes go without springs and bending.

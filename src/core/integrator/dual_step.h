@@ -6,6 +6,7 @@
 
 #include "deformable_sim/core/grid/sheet_lines.h"
 #include "deformable_sim/core/integrator/impulse_contacts.h"
+#include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/core/integrator/spring_chains.h"
 #include "deformable_sim/core/linear/constant_factor.h"
 
@@ -46,6 +47,10 @@ class DualStep {
   void sort(const Dynamics& d);
   void find_responses(double dt, const DualFormula& f, const Dynamics& d);
   void predict(double dt, const DualFormula& f, const State& local, const Dynamics& d, const State& s);
+  void press(const ContactConstraints& contacts);
+  void press_in_rows(const ContactConstraints& contacts);
+  void push(const ContactConstraint& contact, double force, Nodes* x) const;
+  void release(double dt, const ContactConstraints& contacts, const State& start);
   Bending& bending_matrix(double dt, const DualFormula& f, const Dynamics& d);
   void bend(const DualFormula& f, Bending* matrix, const Kinematics& kinematics);
   Vec3 bending_force(Eigen::Index node, const Nodes& x, const Nodes& base, double per_tau) const;
@@ -74,6 +79,7 @@ class DualStep {
   Bending bending_[2];
   Nodes bent_, solution_;
   bool bent_before_ = false;
+  std::vector<double> pressed_;  // N, by contact
   ImpulseContacts impulses_;
 };
 

@@ -8,9 +8,9 @@
 #include <limits>
 #include <memory>
 
+#include "deformable_sim/core/energy/known_terms.h"
 #include "deformable_sim/core/grid/sheet_lines.h"
 #include "deformable_sim/core/integrator/impulse_contacts.h"
-#include "deformable_sim/core/integrator/known_terms.h"
 #include "deformable_sim/core/integrator/schemes.h"
 #include "deformable_sim/core/linear/constant_factor.h"
 #include "scheme_parts.h"

@@ -7,6 +7,7 @@
 namespace deformable_sim {
 namespace {
 
+template <class Real>
 class Xpbd : public Integrator {
  public:
   explicit Xpbd(const SolverSettings& settings)
@@ -24,13 +25,14 @@ class Xpbd : public Integrator {
   }
 
  private:
-  DualStep<double> step_;
+  DualStep<Real> step_;
 };
 
 }  // namespace
 
 std::unique_ptr<Integrator> make_xpbd(const SolverSettings& settings) {
-  return std::make_unique<Xpbd>(settings);
+  if (settings.precision == SolverSettings::Precision::kSingle) return std::make_unique<Xpbd<float>>(settings);
+  return std::make_unique<Xpbd<double>>(settings);
 }
 
 }  // namespace deformable_sim

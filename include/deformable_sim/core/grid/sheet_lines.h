@@ -8,6 +8,9 @@
 
 namespace deformable_sim {
 
+/// How the springs of a line are solved: together, or one by one, every other one first.
+enum class LineSolve { kWhole, kSpringBySpring };
+
 /// Positions x that answer to forces by x = y + weight f, with the tensions of all springs and implicit bending: block
 /// Gauss-Seidel over bending, warp lines, weft lines and both families of diagonals. A line is solved exactly for the
 /// directions its springs have (LineKernels::solve), bending by a Chebyshev iteration to a twentieth.
@@ -19,7 +22,7 @@ template <class Real>
 class SheetLines {
  public:
   /// held: world nodes, ascending.
-  SheetLines(const GridSheet& sheet, const std::vector<int>& held);
+  SheetLines(const GridSheet& sheet, const std::vector<int>& held, LineSolve how = LineSolve::kWhole);
 
   /// y, base: 3 x all nodes, m; base is read where something is damped. weight: m/N, one a node, 0 at held ones; tau:
   /// s.
@@ -29,6 +32,9 @@ class SheetLines {
   void sweep(Last last);
   /// Positions into the columns of the sheet's nodes.
   void store(Nodes* x) { rows_.store(plain_.x.data(), x); }
+  bool contains(int node) const { return node >= rows_.first_node() && node < rows_.first_node() + rows_.node_count(); }
+  Vec3 position(int node);
+  void move_to(int node, const Vec3& x);
   /// Goes on from other positions (3 x all nodes, m).
   void move_to(const Nodes& x) { rows_.load(x, plain_.x.data()); }
   /// forces += the force (N) on held nodes that the sweeps have ended with; columns as in `held`.
@@ -64,12 +70,14 @@ class SheetLines {
   Vec3 bending_at(int node, const Xyz<Real>& z, double factor) const;
   void solve(const Straight& springs, Layout* layout, Last last);
   void solve_diagonals(Last last);
+  void solve(const GridLines<Real>& lines, const LineMotion<Real>& moved, std::ptrdiff_t at, int first, int last) const;
   Real* tension(int family, Last last);
 
   SheetRows<Real> rows_;
   SheetRows<double> exact_rows_;  // for forces, which have no kernels in single precision
   const SheetKernels& forces_;
   const LineKernels<Real>& kernels_;
+  LineSolve how_;
   bool damped_, bends_;
   Layout plain_, turned_;                       // turned: rows and columns changed
   std::vector<double> weights_;                 // as given last, by node of the sheet

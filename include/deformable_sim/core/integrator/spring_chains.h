@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "deformable_sim/core/integrator/known_terms.h"
+#include "deformable_sim/core/energy/known_terms.h"
 
 namespace deformable_sim {
 

@@ -1,4 +1,4 @@
-#include "deformable_sim/core/integrator/known_terms.h"
+#include "deformable_sim/core/energy/known_terms.h"
 
 #include <algorithm>
 #include <memory>

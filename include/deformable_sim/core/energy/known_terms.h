@@ -8,7 +8,6 @@
 #include <Eigen/SparseCore>
 
 #include "deformable_sim/core/energy/terms.h"
-#include "deformable_sim/core/integrator/integrator.h"
 
 namespace deformable_sim {
 
@@ -36,7 +35,7 @@ KnownTerms sort_terms(const std::string& integrator, const std::vector<const Ene
 /// Throws what sort_terms() would.
 void refuse_unknown_terms(const std::string& integrator, const std::vector<std::unique_ptr<Energy>>& energies);
 
-/// Whether a scheme takes what sort_terms() takes, and nothing else.
+/// Whether the scheme of that name takes what sort_terms() takes, and nothing else.
 bool takes_known_terms_only(const std::string& integrator);
 
 }  // namespace deformable_sim
