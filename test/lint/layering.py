@@ -24,9 +24,10 @@ CORE_RULES = {
     'linear/': ['types.h', 'error.h', 'linear/'],
     'rod_frames': ['types.h', 'error.h', 'state.h', 'element/rod_frame.h', 'topology/', 'model.h', 'rod_frames.h'],
     'energy/': ['types.h', 'error.h', 'state.h', 'element/', 'material/', 'topology/', 'linear/', 'rod_frames.h', 'energy/'],
+    'rope/': ['types.h', 'element/spring.h', 'energy/', 'grid/sheet_kernels.h', 'rope/'],
     'grid/': ['types.h', 'error.h', 'element/jacobian.h', 'linear/', 'material/', 'topology/', 'grid/'],
     'integrator/': ['types.h', 'error.h', 'state.h', 'linear/', 'element/jacobian.h', 'energy/energy.h', 'energy/terms.h', 'energy/limit_springs.h',
-                    'energy/known_terms.h', 'contact/constraint.h', 'grasp/kinematics.h', 'grid/', 'integrator/'],
+                    'energy/known_terms.h', 'contact/constraint.h', 'grasp/kinematics.h', 'grid/', 'rope/', 'integrator/'],
     'contact/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'topology/', 'model.h', 'contact/'],
     'grasp/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'element/rod_frame.h', 'rod_frames.h', 'topology/', 'model.h',
                'energy/', 'grasp/'],
@@ -85,8 +86,8 @@ def check_foreign_include(layer, rest, header):
     if layer in ('ros', 'robot', 'rviz') or (layer == 'program' and not rest.startswith(('simulate', 'study'))):
         return None
     if header.endswith('intrin.h'):
-        kernels = layer == 'core' and rest.startswith('grid/sheet_kernels_')
-        return None if kernels else 'processor intrinsics belong to the kernels of core/grid'
+        kernels = layer == 'core' and rest.startswith(('grid/sheet_kernels_', 'rope/rope_kernels_'))
+        return None if kernels else 'processor intrinsics belong to the kernels of core/grid and core/rope'
     if STANDARD.match(header) or header in C_HEADERS or header.startswith(('Eigen/', 'fcl/')):
         return None
     if layer == 'scene' and header.startswith(('yaml-cpp/', 'assimp/')):

@@ -21,5 +21,8 @@ static inline Two smaller(Two a, Two b) {
 }  // namespace deformable_sim
 
 #define SIMD_LEVEL simd_avx2
+// In this order.
+#include "rope_walk.inc"
+
 #include "rope_kernels.inc"
 #endif

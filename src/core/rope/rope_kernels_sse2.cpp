@@ -29,4 +29,7 @@ static inline Two smaller(Two a, Two b) {
 }  // namespace deformable_sim
 
 #define SIMD_LEVEL simd_sse2
+// In this order.
+#include "rope_walk.inc"
+
 #include "rope_kernels.inc"

@@ -100,6 +100,17 @@ struct RodJoint {
       if (i < 4) return {by_b.by_other(i - 2), by_b.by_tangent(i - 2), 0.0, by_b.by_angle(i - 2)};
       return twist.gradient();
     }
+    /// Of the strains, where the points move with v.
+    std::array<double, kStrains> rates(const Points& v, const Rest& rest) const {
+      const Vec3 turn_a = a.by_edge(v.col(1) - v.col(0)), turn_b = b.by_edge(v.col(2) - v.col(1));
+      const double spin_a = v(0, 3) / rest.radius_of_gyration, spin_b = v(0, 4) / rest.radius_of_gyration;
+      std::array<double, kStrains> rate;
+      for (size_t i = 0; i < kStrains; ++i) {
+        const RodGradient g = gradient(i);
+        rate[i] = g.a.dot(turn_a) + g.b.dot(turn_b) + g.angle_a * spin_a + g.angle_b * spin_b;
+      }
+      return rate;
+    }
     RodMatrix second(size_t i) const {
       if (i == 4) return twist.second_by_edges(a, b);
       RodHessian h = RodHessian::zero();
@@ -136,13 +147,12 @@ struct RodJoint {
   static Points force(const Points& x, const Points& v, const Rest& rest, const Context&, const Memory& memory) {
     const Shape shape(x, rest, memory);
     const auto strain = shape.strains(memory);
-    const Vec3 turn_a = shape.a.by_edge(v.col(1) - v.col(0)), turn_b = shape.b.by_edge(v.col(2) - v.col(1));
-    const double spin_a = v(0, 3) / rest.radius_of_gyration, spin_b = v(0, 4) / rest.radius_of_gyration;
+    std::array<double, kStrains> rate{};
+    if (rest.damping > 0.0) rate = shape.rates(v, rest);
     RodGradient sum{Vec3::Zero(), Vec3::Zero(), 0.0, 0.0};
     for (size_t i = 0; i < kStrains; ++i) {
       const RodGradient g = shape.gradient(i);
-      const double rate = g.a.dot(turn_a) + g.b.dot(turn_b) + g.angle_a * spin_a + g.angle_b * spin_b;
-      const double moment = rest.weight[i] * (strain[i] - rest.strain[i] + rest.damping * rate);
+      const double moment = rest.weight[i] * (strain[i] - rest.strain[i] + rest.damping * rate[i]);
       sum.a += moment * g.a;
       sum.b += moment * g.b;
       sum.angle_a += moment * g.angle_a;
@@ -190,15 +200,16 @@ struct RodJoint {
 
   static Blocks jacobian_on_points(const RodMatrix& m, const Rest& rest) {
     Blocks out = Blocks::Zero();
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        for (int p = 0; p < 2; ++p) {
-          for (int q = 0; q < 2; ++q) {
-            out.block<3, 3>(3 * i, 3 * j) += (kShare[i][p] * kShare[j][q]) * m.block<3, 3>(3 * p, 3 * q);
-          }
-        }
-      }
-    }
+    const Mat3 aa = m.block<3, 3>(0, 0), ab = m.block<3, 3>(0, 3), ba = m.block<3, 3>(3, 0), bb = m.block<3, 3>(3, 3);
+    out.block<3, 3>(0, 0) = aa;
+    out.block<3, 3>(0, 3) = ab - aa;
+    out.block<3, 3>(0, 6) = -ab;
+    out.block<3, 3>(3, 0) = ba - aa;
+    out.block<3, 3>(3, 3) = aa - ab - ba + bb;
+    out.block<3, 3>(3, 6) = ab - bb;
+    out.block<3, 3>(6, 0) = -ba;
+    out.block<3, 3>(6, 3) = ba - bb;
+    out.block<3, 3>(6, 6) = bb;
     const double per_angle = 1.0 / rest.radius_of_gyration;
     for (int k = 0; k < 2; ++k) {
       for (int i = 0; i < 3; ++i) {
