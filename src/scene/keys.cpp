@@ -108,12 +108,13 @@ Table<StepSpec> step_table() {
   t.add(
       {"linear_solver", "word", "", "banded with ropes alone, a stiff rope or a rope beside other bodies, else cg",
        "cg, direct, banded, multigrid",
-       "Preconditioned conjugate gradient, sparse factorisation, factorisation of ropes and cg for all else, or (cloth "
-       "on "
-       "grids of springs, without drag_coefficient; cg in other scenes; implicit_euler, bdf2 and tr_bdf2) conjugate "
-       "gradient with multigrid on rows of the grid, the matrix never assembled: the fastest at some percent. A rope "
-       "is stiff when sqrt(EA / linear_density) dt > 200 length / segments: a wave of tension passes 200 segments in a "
-       "step; 20 when its material is a name."},
+       "Preconditioned conjugate gradient, sparse factorisation, factorisation of ropes and cg for all else, or "
+       "conjugate "
+       "gradient with multigrid (implicit_euler, bdf2 and tr_bdf2; cg with others): of scenes of nothing but cloth on "
+       "grids of springs, without drag_coefficient, on rows of the grid, the matrix never assembled; of all others on "
+       "aggregates of their nodes. The fastest at some percent. A rope is stiff when sqrt(EA / linear_density) dt > "
+       "200 "
+       "length / segments: a wave of tension passes 200 segments in a step; 20 when its material is a name."},
       [](const YamlValue& v, const std::string& path, StepSpec* out) {
         const std::string word = read_choice(v, path, {"cg", "direct", "banded", "multigrid"});
         out->solver.linear = word == "direct"      ? SolverSettings::Linear::kDirect

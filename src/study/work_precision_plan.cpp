@@ -29,7 +29,7 @@ std::vector<LinearSolver> solvers_for(const Case& c, study::Effort effort) {
   std::vector<LinearSolver> solvers{{"cg", 0.1, 200}, {"direct", 0.0, 0}};
   if (!quick) solvers.insert(solvers.end(), {{"cg", 0.1, 5}, {"cg", 0.01, 200}});
   if (c.features.kind == "rope") solvers.push_back({"banded", 0.0, 0});
-  if (c.features.kind == "cloth") {
+  if (c.features.kind != "rope") {
     solvers.push_back({"multigrid", 0.1, 50});
     if (!quick) solvers.insert(solvers.end(), {{"multigrid", 0.1, 3}, {"multigrid", 0.01, 50}});
   }

@@ -53,7 +53,8 @@ std::vector<Case> cases() {
           {"Limited", cloth(", strain_limit: 0.02") + corners},
           {"BesideARope", cloth("") + "  - rope: {name: r, segments: 9, pins: [end_0]}\n" + corners},
           {"Solid",
-           "bodies:\n  - soft: {name: b, box: {size: [0.1, 0.1, 0.3], cells: [2, 2, 5]}, pins: [face_z1], material: {density: "
+           "bodies:\n  - soft: {name: b, box: {size: [0.1, 0.1, 0.3], cells: [2, 2, 5]}, pins: [face_z1], material: "
+           "{density: "
            "1000, youngs_modulus: 2.0e4, poissons_ratio: 0.4}}\n"}};
 }
 
@@ -84,13 +85,13 @@ TEST_P(Aggregation, ConvergesToTheSolutionOfTheSparseFactorisation) {
   }
 }
 
-TEST_P(Aggregation, StaysAtRestWhereTheSparseFactorisationDoes) {
+TEST_P(Aggregation, StaysAtRestHoweverFewIterationsItTakes) {
   // A sheet that rests moves no further, however few iterations a step has: r(x) = 0 at the start of every step.
   const Case c{"rest", cases()[1].text};
   const auto settled = build(c,
-                             "dt: 0.05, newton_iterations: 100, tolerance: 1.0e-9, linear_tolerance: 0.01, "
+                             "dt: 0.05, newton_iterations: 100, tolerance: 1.0e-9, linear_solver: multigrid, "
                              "integrator: implicit_euler");
-  for (int k = 0; k < 800; ++k) settled->step();
+  for (int k = 0; k < 500; ++k) settled->step();
   const auto world = build(c,
                            "dt: 0.02, newton_iterations: 1, tolerance: 1.0e-9, linear_iterations: 1, "
                            "linear_solver: multigrid, integrator: " +

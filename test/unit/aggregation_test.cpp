@@ -237,6 +237,34 @@ TEST(MultigridSolver, NeedsFewMoreIterationsOnLargerMeshes) {
   EXPECT_LE(iterations[2], 20);
 }
 
+TEST(ConstantLinks, OfHingesAreTheJacobianAcrossAFlatSheet) {
+  // -df_z/dz - (1 / tau) df_z/dv_z at rest is what quadratic bending has along all axes; by hinges it is 0 in the
+  // plane.
+  const TriangleMesh mesh = crooked_sheet(7);
+  BendingMaterial material = isotropic_bending(1e-3, 0.3);
+  material.damping = 0.02;
+  const double tau = 0.01;
+  System body(mesh.rest, sheet_masses(mesh, 0.2));
+  body.add(make_bending(mesh, material, 0)).build_pattern();
+  const Energy* term = body.dynamics.energies[0];
+  BlockMatrix a = body.pattern;
+  term->add_jacobian(body.state, 1.0, 1.0 / tau, Jacobian::kProjected, &a);
+  const ConstantLinks* links = term->constant_links();
+  ASSERT_NE(links, nullptr);
+  const double scale = 1.0 + links->damping / tau, largest = scale * links->sum[24];
+  for (size_t row = 0; row < links->sum.size(); ++row) {
+    const int i = links->node[row];
+    EXPECT_NEAR(a.block(a.diagonal_slot(i))(2, 2), scale * links->sum[row], 1e-6 * largest);
+    for (int k = links->row_start[row]; k < links->row_start[row + 1]; ++k) {
+      const auto at = static_cast<size_t>(k);
+      if (links->stiffness[at] == 0.0) continue;
+      const int slot = a.slot(i, static_cast<int>(links->place[at] / 4));
+      ASSERT_GE(slot, 0);
+      EXPECT_NEAR(a.block(slot)(2, 2), -scale * links->stiffness[at], 1e-6 * largest);
+    }
+  }
+}
+
 TEST(BlockKernels, EqualTheirPlainTwins) {
   // Rounding of single precision: some 20 products a row.
   const Sheet sheet(9);

@@ -1,18 +1,48 @@
 #include "plate_bending.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 namespace deformable_sim {
 
-PlateBending::PlateBending(PlateMesh plate, const Mat3& stiffness, std::vector<double> rest, double damping, Part part,
-                           int first_node)
+std::vector<QuadraticWeight> quadratic_weights(const PlateMesh& plate, const std::vector<Eigen::Vector4d>& flat,
+                                               const Mat3& stiffness, int first_node) {
+  // E = 1/2 sum_ij Q_ij x_i.x_j with Q's rows summing to zero = -1/2 sum_i<j Q_ij |x_i - x_j|^2.
+  std::map<std::array<int, 2>, double> weights;
+  for (const PlatePatch& patch : plate.patches) {
+    std::map<int, Vec3> by_node;
+    for (int h = 0; h < patch.count; ++h) {
+      const auto hinge = static_cast<size_t>(patch.hinge[static_cast<size_t>(h)]);
+      for (size_t k = 0; k < 4; ++k) {
+        by_node.try_emplace(plate.hinges[hinge][k] - first_node, Vec3::Zero()).first->second +=
+            flat[hinge][static_cast<Eigen::Index>(k)] * patch.curvature.col(h);
+      }
+    }
+    for (const auto& [i, by_i] : by_node) {
+      for (const auto& [j, by_j] : by_node) {
+        if (i < j) weights[{i, j}] -= patch.area * by_i.dot(stiffness * by_j);
+      }
+    }
+  }
+  std::vector<QuadraticWeight> links;
+  links.reserve(weights.size());
+  for (const auto& [pair, weight] : weights) links.push_back({pair[0], pair[1], weight});
+  return links;
+}
+
+PlateBending::PlateBending(PlateMesh plate, const Mat3& stiffness, std::vector<double> rest,
+                           const std::vector<Eigen::Vector4d>& flat, double damping, Part part, int first_node)
     : plate_(std::move(plate)),
       stiffness_(stiffness),
       rest_(std::move(rest)),
       damping_(damping),
       elastic_(part == Part::kViscous ? 0.0 : 1.0),
+      first_node_(first_node),
       hinges_(plate_.hinges.size()) {
+  if (elastic_ != 0.0) {
+    for (const Eigen::Vector4d& weights : flat) flat_.emplace_back(weights.cast<float>());
+  }
   for (auto& hinge : plate_.hinges) {
     for (int& node : hinge) node += first_node;
   }
@@ -76,6 +106,17 @@ void PlateBending::add_jacobian(const State& s, double dx, double dv, Jacobian k
     slot += points_[n].count * points_[n].count;
   }
   if (exact) add_second_derivatives(s, dx, a);
+}
+
+const ConstantLinks* PlateBending::constant_links() const {
+  if (elastic_ == 0.0) return nullptr;
+  if (links_ == nullptr) {
+    std::vector<Eigen::Vector4d> flat;
+    for (const Eigen::Vector4f& weights : flat_) flat.emplace_back(weights.cast<double>());
+    links_ = std::make_unique<ConstantLinks>(
+        make_constant_links(quadratic_weights(plate_, flat, stiffness_, first_node_), damping_, first_node_));
+  }
+  return links_.get();
 }
 
 PlateBending::Points PlateBending::points_of(const PlatePatch& patch) const {

@@ -2,14 +2,21 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "deformable_sim/core/element/hinge.h"
+#include "deformable_sim/core/energy/constant_links.h"
 #include "deformable_sim/core/energy/energy.h"
 #include "deformable_sim/core/material/plate_patches.h"
 
 namespace deformable_sim {
+
+/// Weights of the quadratic energy of a plate laid flat: `flat`, by hinge, is d angle / dw of its four points, 1/m.
+/// Nodes less `first_node`.
+std::vector<QuadraticWeight> quadratic_weights(const PlateMesh& plate, const std::vector<Eigen::Vector4d>& flat,
+                                               const Mat3& stiffness, int first_node);
 
 /// Energy over triangles, r the angles beyond rest of the hinges around, M the patch's curvature, D the plate
 /// stiffness:
@@ -22,8 +29,9 @@ class PlateBending : public Energy {
   enum class Part { kElasticAndViscous, kViscous };
 
   /// `rest`: one angle (rad) a hinge; damping in s.
-  PlateBending(PlateMesh plate, const Mat3& stiffness, std::vector<double> rest, double damping, Part part,
-               int first_node);
+  /// `flat`: d angle / dw of each hinge laid flat, by its points, 1/m.
+  PlateBending(PlateMesh plate, const Mat3& stiffness, std::vector<double> rest,
+               const std::vector<Eigen::Vector4d>& flat, double damping, Part part, int first_node);
 
   std::string name() const override { return "bending: hinges"; }
   int element_count() const override { return static_cast<int>(plate_.hinges.size()); }
@@ -32,6 +40,8 @@ class PlateBending : public Energy {
   void add_pattern(std::vector<std::array<int, 2>>* pairs) const override;
   void bind(const BlockMatrix& matrix) override;
   void add_jacobian(const State& s, double dx, double dv, Jacobian kind, BlockMatrix* a) const override;
+  /// Quadratic bending: along a sheet's normal the same as flat, across it what stretch makes stiffer by far.
+  const ConstantLinks* constant_links() const override;
 
  private:
   static constexpr size_t kMostPoints = 12;
@@ -66,6 +76,9 @@ class PlateBending : public Energy {
   double elastic_;            // 1, or 0 for the viscous part alone
   std::vector<Points> points_;
   std::vector<int> patch_slots_, hinge_slots_;
+  int first_node_;
+  std::vector<Eigen::Vector4f> flat_;             // by hinge
+  mutable std::unique_ptr<ConstantLinks> links_;  // once asked for
   mutable std::vector<Look> hinges_;  // of the evaluation in progress: a term is used by one thread at a time
 };
 

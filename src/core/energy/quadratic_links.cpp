@@ -1,6 +1,5 @@
 // Quadratic energies of distances as a term: a constant sparse matrix, the same for x, y and z.
-#include <algorithm>
-#include <numeric>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -8,7 +7,6 @@
 #include "deformable_sim/core/energy/quadratic_term.h"
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/linear/block_kernels.h"
-#include "deformable_sim/core/linear/row_order.h"
 
 namespace deformable_sim {
 namespace {
@@ -17,11 +15,11 @@ namespace {
 class QuadraticLinks : public Energy, public QuadraticTerm {
  public:
   QuadraticLinks(std::string name, std::vector<QuadraticWeight> weights, double damping, int first_node)
-      : name_(std::move(name)), weights_(std::move(weights)), kernels_(block_kernels(simd_level())) {
-    links_.damping = damping;
-    links_.first_node = first_node;
-    fill_rows();
-  }
+      : name_(std::move(name)),
+        weights_(std::move(weights)),
+        kernels_(block_kernels(simd_level())),
+        links_(make_constant_links(weights_, damping, first_node)),
+        y_(4 * links_.sum.size(), 0.0) {}
 
   std::string name() const override { return name_; }
   int element_count() const override { return static_cast<int>(weights_.size()); }
@@ -85,35 +83,6 @@ class QuadraticLinks : public Energy, public QuadraticTerm {
     to->emplace_back(b, a, -weight);
   }
   int world(int node) const { return links_.first_node + node; }
-
-  void fill_rows() {
-    int nodes = 0;
-    for (const QuadraticWeight& w : weights_) nodes = std::max({nodes, w.a + 1, w.b + 1});
-    std::vector<std::vector<std::pair<int, double>>> rows(static_cast<size_t>(nodes));
-    for (const QuadraticWeight& w : weights_) {
-      rows[static_cast<size_t>(w.a)].emplace_back(w.b, w.weight);
-      rows[static_cast<size_t>(w.b)].emplace_back(w.a, w.weight);
-    }
-    links_.node.resize(rows.size());
-    std::iota(links_.node.begin(), links_.node.end(), 0);
-    sort_in_windows([&](int i) { return static_cast<int>((rows[static_cast<size_t>(i)].size() + 3) / 4); },
-                    &links_.node);
-    for (int i : links_.node) {
-      double sum = 0.0;
-      for (const auto& [j, weight] : rows[static_cast<size_t>(i)]) {
-        links_.place.push_back(4U * static_cast<unsigned>(j));
-        links_.stiffness.push_back(weight);
-        sum += weight;
-      }
-      links_.sum.push_back(sum);
-      while (links_.place.size() % 4 != 0) {
-        links_.place.push_back(4U * static_cast<unsigned>(i));
-        links_.stiffness.push_back(0.0);
-      }
-      links_.row_start.push_back(static_cast<int>(links_.place.size()));
-    }
-    y_.assign(4 * rows.size(), 0.0);
-  }
 
   std::string name_;
   std::vector<QuadraticWeight> weights_;

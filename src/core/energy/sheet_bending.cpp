@@ -1,6 +1,7 @@
 // Constructors of the bending terms of a sheet.
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -76,29 +77,10 @@ Eigen::Vector4d flat_weights(const TriangleMesh& mesh, const std::array<int, 4>&
           inverse2};
 }
 
-std::vector<QuadraticWeight> weights_of(const TriangleMesh& mesh, const PlateMesh& plate, const Mat3& stiffness) {
-  // E = 1/2 sum_ij Q_ij x_i.x_j with Q's rows summing to zero = -1/2 sum_i<j Q_ij |x_i - x_j|^2.
-  std::map<std::array<int, 2>, double> weights;
-  for (const PlatePatch& patch : plate.patches) {
-    std::map<int, Vec3> by_node;
-    for (int h = 0; h < patch.count; ++h) {
-      const auto& hinge = plate.hinges[static_cast<size_t>(patch.hinge[static_cast<size_t>(h)])];
-      const Eigen::Vector4d flat = flat_weights(mesh, hinge);
-      for (size_t k = 0; k < 4; ++k) {
-        by_node.try_emplace(hinge[k], Vec3::Zero()).first->second +=
-            flat[static_cast<Eigen::Index>(k)] * patch.curvature.col(h);
-      }
-    }
-    for (const auto& [i, by_i] : by_node) {
-      for (const auto& [j, by_j] : by_node) {
-        if (i < j) weights[{i, j}] -= patch.area * by_i.dot(stiffness * by_j);
-      }
-    }
-  }
-  std::vector<QuadraticWeight> links;
-  links.reserve(weights.size());
-  for (const auto& [pair, weight] : weights) links.push_back({pair[0], pair[1], weight});
-  return links;
+std::vector<Eigen::Vector4d> flat_weights(const TriangleMesh& mesh, const PlateMesh& plate) {
+  std::vector<Eigen::Vector4d> flat;
+  for (const auto& hinge : plate.hinges) flat.push_back(flat_weights(mesh, hinge));
+  return flat;
 }
 
 void check_flat(const BendingMaterial& material) {
@@ -115,15 +97,16 @@ std::unique_ptr<Energy> make_bending(const TriangleMesh& mesh, const BendingMate
   const Mat3 stiffness = plate_stiffness(material);
   PlateMesh plate = plate_mesh(mesh, stiffness, direction_that_matters(stiffness, material.warp_direction));
   std::vector<double> rest = rest_angles(mesh, material, plate);
-  return std::make_unique<PlateBending>(std::move(plate), stiffness, std::move(rest), material.damping,
+  const std::vector<Eigen::Vector4d> flat = flat_weights(mesh, plate);
+  return std::make_unique<PlateBending>(std::move(plate), stiffness, std::move(rest), flat, material.damping,
                                         PlateBending::Part::kElasticAndViscous, first_node);
 }
 
 std::vector<QuadraticWeight> quadratic_bending_weights(const TriangleMesh& mesh, const BendingMaterial& material) {
   check_flat(material);
   const Mat3 stiffness = plate_stiffness(material);
-  return weights_of(mesh, plate_mesh(mesh, stiffness, direction_that_matters(stiffness, material.warp_direction)),
-                    stiffness);
+  const PlateMesh plate = plate_mesh(mesh, stiffness, direction_that_matters(stiffness, material.warp_direction));
+  return quadratic_weights(plate, flat_weights(mesh, plate), stiffness, 0);
 }
 
 std::unique_ptr<Energy> make_quadratic_bending(const TriangleMesh& mesh, const BendingMaterial& material,
@@ -131,12 +114,13 @@ std::unique_ptr<Energy> make_quadratic_bending(const TriangleMesh& mesh, const B
   check_flat(material);
   const Mat3 stiffness = plate_stiffness(material);
   PlateMesh plate = plate_mesh(mesh, stiffness, direction_that_matters(stiffness, material.warp_direction));
-  std::unique_ptr<Energy> links =
-      make_quadratic_links("bending: quadratic", weights_of(mesh, plate, stiffness), 0.0, first_node);
+  std::unique_ptr<Energy> links = make_quadratic_links(
+      "bending: quadratic", quadratic_weights(plate, flat_weights(mesh, plate), stiffness, 0), 0.0, first_node);
   if (material.damping == 0.0) return links;
   const size_t hinges = plate.hinges.size();
   auto dampers = std::make_unique<PlateBending>(std::move(plate), stiffness, std::vector<double>(hinges, 0.0),
-                                                material.damping, PlateBending::Part::kViscous, first_node);
+                                                std::vector<Eigen::Vector4d>(), material.damping,
+                                                PlateBending::Part::kViscous, first_node);
   return std::make_unique<Sum>(std::move(links), std::move(dampers));
 }
 

@@ -107,6 +107,7 @@ void ImplicitStage::begin(const StageEquation& equation, const State& start, con
     }
   }
   step_.setZero(3, n);
+  other_.resize(3, n);
   matrix_.renew(d, tau_);
   contacts_.begin(equation.contact_span(), start.x, trial_.x, inverse_mass_, d.contacts);
   full_steps_ = settings_.jacobian == Jacobian::kLagged && !linearised_ && d.contacts.empty();

@@ -45,8 +45,11 @@ class ConjugateGradient : public LinearSolver {
     definite_ = true;
     const double start = rms(b, weight);
     const double goal = std::max(tolerance.absolute, tolerance.relative * start);
-    a.multiply(*x, &product_);
-    residual_ = b - product_;
+    residual_ = b;
+    if (!x->isZero(0.0)) {
+      a.multiply(*x, &product_);
+      residual_ -= product_;
+    }
     double norm = rms(residual_, weight);
     while (norm > goal && report.iterations < tolerance.iterations) {
       const double reduction = std::max(goal / norm * 0.9, kSinglePrecision);

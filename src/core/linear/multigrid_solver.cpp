@@ -63,7 +63,7 @@ class Solver : public MultigridSolver {
     held_nodes_ = held;
   }
 
-  void forget() override { stiffness_ = 0.0; }
+  void forget() override { stiffness_ = weight_tau_ = 0.0; }
 
   void prepare(const BlockMatrix& a) override {
     const bool same = a.row_start() == pattern_rows_ && a.column() == pattern_columns_ && held_nodes_ == laid_out_held_;
@@ -72,7 +72,8 @@ class Solver : public MultigridSolver {
       lay_out_links(a.rows());
     }
     scale_links();
-    set_weight(a);
+    // A shorter step makes lambda_max smaller.
+    if (!same || link_tau_ > weight_tau_) set_weight(a);
     const double stiffness = total_weight(a);
     if (same && stiffness < kOtherStiffness * stiffness_ && stiffness_ < kOtherStiffness * stiffness) return;
     stiffness_ = stiffness;
@@ -260,6 +261,7 @@ class Solver : public MultigridSolver {
   /// Sweeps converge, and the preconditioner is definite, while their weight is below 2 / lambda_max(D^-1 A): 2 to 3 of
   /// springs and membranes, more of plates and quadratic elements.
   void set_weight(const BlockMatrix& a) {
+    weight_tau_ = link_tau_;
     weight_of_sweep_ = 1.0f;
     copy(a);
     const int n = static_cast<int>(node_.size());
@@ -360,6 +362,7 @@ class Solver : public MultigridSolver {
   AggregationMultigrid coarse_;
   bool coarse_works_ = false;
   float weight_of_sweep_ = kSmoothing;
+  double weight_tau_ = 0.0;  // s, of its estimate
 
   // In the solver's own order.
   std::vector<int> pattern_rows_, pattern_columns_, laid_out_held_;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "deformable_sim/core/types.h"
+#include "deformable_sim/core/material/bending_law.h"
 
 namespace deformable_sim {
 
@@ -20,5 +20,8 @@ struct ConstantLinks {
 
   int rows() const { return static_cast<int>(sum.size()); }
 };
+
+/// Weights as of a quadratic energy, f = sum w (y_b - y_a) on a; nodes of the weights count from first_node.
+ConstantLinks make_constant_links(const std::vector<QuadraticWeight>& weights, double damping, int first_node);
 
 }  // namespace deformable_sim

@@ -46,8 +46,9 @@ class Energy {
   /// Of terms that are nothing but a MassForce; null for all others.
   virtual const MassForce* mass_force() const { return nullptr; }
 
-  /// Of terms that are nothing but constant links; null for all others. A solver that knows them needs neither their
-  /// blocks nor bind().
+  /// Constant links whose derivative is this term's Jacobian, or near enough to it for Newton's matrix; null where
+  /// there are none. A solver that takes them needs neither the term's blocks nor bind(). May allocate when first
+  /// asked.
   virtual const ConstantLinks* constant_links() const { return nullptr; }
 
   /// Carries what the state remembers for this term beyond x and v to the positions at the end of a step.
