@@ -184,26 +184,26 @@ void World::Parts::limit_strain(double h) {
   excess = found.violation;
 }
 
-void World::Parts::integrate_with_contacts(double h) {
-  part_state = state;
+bool World::Parts::integrate_with_contacts(double h, const State& before) {
   double extra_reach = 0.0;
   for (int widening = 0;; ++widening) {
     double start = cpu_seconds();
     contacts->find(state, h, collider_steps, roles, extra_reach, &dynamics.contacts);
     cost.contact += cpu_seconds() - start;
     integrate(h);
-    if (!state_is_sane()) return;
+    if (!state_is_sane()) return false;
     start = cpu_seconds();
-    const double missed = contacts->missed_motion(part_state.x, state.x);
+    const double missed = contacts->missed_motion(before.x, state.x);
     cost.contact += cpu_seconds() - start;
     if (missed == 0.0 || widening == kMaxWidenings) break;
     extra_reach += missed;
-    state = part_state;
+    state = before;
   }
   violation = std::max(violation, contacts->violation(state.x, dynamics.contacts));
+  return true;
 }
 
-bool World::Parts::advance(double h, double fraction) {
+bool World::Parts::advance(double h, double fraction, const State& before) {
   if (!grasps.empty() || !colliders.empty()) {  // asking for the time is dear to a short rope
     const double start = cpu_seconds();
     if (!grasps.empty()) grasps.advance(h, state, &dynamics.kinematics);
@@ -211,10 +211,12 @@ bool World::Parts::advance(double h, double fraction) {
     cost.grasps += cpu_seconds() - start;
   }
 
+  bool sane = false;
   if (contacts) {
-    integrate_with_contacts(h);
+    sane = integrate_with_contacts(h, before);
   } else {
     integrate(h);
+    sane = state_is_sane();
   }
 
   if (!grasps.empty()) {
@@ -222,15 +224,17 @@ bool World::Parts::advance(double h, double fraction) {
     grasps.measure(dynamics.kinematics, state, fraction);
     cost.grasps += cpu_seconds() - start;
   }
-  return state_is_sane();
+  return sane;
 }
 
 bool World::Parts::try_step(int parts) {
   report = StepReport();
   violation = 0.0;
   grasps.clear_wrenches();
-  for (int i = 0; i < parts; ++i)
-    if (!advance(settings.dt / parts, 1.0 / parts)) return false;
+  for (int i = 0; i < parts; ++i) {
+    if (i > 0 && contacts) part_state = state;
+    if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
+  }
   return true;
 }
 
