@@ -62,7 +62,7 @@ class World {
   const Model& model() const;
   std::shared_ptr<const Model> shared_model() const;
   const WorldSettings& settings() const;
-  /// kMotion leaves energies and strains of the bodies out, which cost about as much as the forces.
+  /// kMotion leaves out the bodies' energies and strains, which cost about as much as the forces, cost and warnings.
   Snapshot snapshot(SnapshotDetail detail = SnapshotDetail::kReports) const;
   /// Of the snapshot, the grasps alone.
   std::vector<GraspReport> grasp_reports() const;
