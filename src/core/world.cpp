@@ -210,26 +210,26 @@ void World::Parts::limit_strain(double h) {
   excess = found.violation;
 }
 
-void World::Parts::integrate_with_contacts(double h) {
-  part_state = state;
+bool World::Parts::integrate_with_contacts(double h, const State& before) {
   double extra_reach = 0.0;
   for (int widening = 0;; ++widening) {
     double start = clock();
     contacts->find(state, h, collider_steps, roles, extra_reach, &dynamics.contacts);
     cost.contact += clock() - start;
     integrate(h);
-    if (!state_is_sane()) return;
+    if (!state_is_sane()) return false;
     start = clock();
-    const double missed = contacts->missed_motion(part_state.x, state.x);
+    const double missed = contacts->missed_motion(before.x, state.x);
     cost.contact += clock() - start;
     if (missed == 0.0 || widening == kMaxWidenings) break;
     extra_reach += missed;
-    state = part_state;
+    state = before;
   }
   violation = std::max(violation, contacts->violation(state.x, dynamics.contacts));
+  return true;
 }
 
-bool World::Parts::advance(double h, double fraction) {
+bool World::Parts::advance(double h, double fraction, const State& before) {
   if (!grasps.empty() || !colliders.empty()) {
     const double start = clock();
     if (!grasps.empty()) grasps.advance(h, state, &dynamics.kinematics);
@@ -237,10 +237,12 @@ bool World::Parts::advance(double h, double fraction) {
     cost.grasps += clock() - start;
   }
 
+  bool sane = false;
   if (contacts) {
-    integrate_with_contacts(h);
+    sane = integrate_with_contacts(h, before);
   } else {
     integrate(h);
+    sane = state_is_sane();
   }
 
   if (!grasps.empty()) {
@@ -248,15 +250,17 @@ bool World::Parts::advance(double h, double fraction) {
     grasps.measure(dynamics.kinematics, state, fraction);
     cost.grasps += clock() - start;
   }
-  return state_is_sane();
+  return sane;
 }
 
 bool World::Parts::try_step(int parts) {
   report = StepReport();
   violation = 0.0;
   grasps.clear_wrenches();
-  for (int i = 0; i < parts; ++i)
-    if (!advance(settings.dt / parts, 1.0 / parts)) return false;
+  for (int i = 0; i < parts; ++i) {
+    if (i > 0 && contacts) part_state = state;
+    if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
+  }
   return true;
 }
 
@@ -264,7 +268,6 @@ bool World::Parts::is_poor(int refinement) const {
   // What an implicit contact gives way shrinks with the square of the part. A point far behind its plane is about to be
   // lost on the other side: worth more.
   if (violation > kLost) return refinement < kMaxHalvings;
-  if (settings.repeat == RepeatSteps::kLost) return false;
   if (violation > kViolation) return refinement < kMaxRefinements;
   return refinement == 0 && integrator->needs().jacobian && !report.converged && report.residual > kGrossResidual;
 }

@@ -86,10 +86,11 @@ struct World::Parts {
   void restore_last_good();
   /// One step in `parts` equal parts. False when the state left the finite world.
   bool try_step(int parts);
-  /// Prescribes, finds contacts, integrates, measures: one part of a step, h seconds.
-  bool advance(double h, double fraction);
+  /// Prescribes, finds contacts, integrates, measures: one part of a step, h seconds. before: where it starts, for
+  /// contacts to begin again from. False when the state left the finite world.
+  bool advance(double h, double fraction, const State& before);
   /// Finds contacts and integrates, again with a wider reach while some node moved further than was looked for.
-  void integrate_with_contacts(double h);
+  bool integrate_with_contacts(double h, const State& before);
   void integrate(double h);
   void limit_strain(double h);
   bool state_is_sane() const;

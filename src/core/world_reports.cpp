@@ -32,8 +32,8 @@ void add_kinetic_energy(const Model& model, int first, int count, const State& s
 }
 
 /// All of a report but the elastic energy and the contacts.
-BodyReport report_of(const Model& model, const Body& body, const State& s) {
-  BodyReport r;
+void add_report(const Model& model, const Body& body, const State& s, BodyReport* report) {
+  BodyReport& r = *report;
   add_kinetic_energy(model, body.first_node, body.node_count, s, &r.kinetic_energy);
   for (int i = body.first_node; i < body.first_node + body.node_count; ++i)
     r.potential_energy -= model.mass[i] * model.gravity.dot(s.x.col(i));
@@ -46,7 +46,6 @@ BodyReport report_of(const Model& model, const Body& body, const State& s) {
     r.max_strain = std::max(r.max_strain, strain);
     r.min_strain = std::min(r.min_strain, strain);
   }
-  return r;
 }
 
 /// Contacts that carry a force, per body, and their share at each node.
@@ -179,10 +178,6 @@ Snapshot World::snapshot(SnapshotDetail detail) const {
   s.v = w.state.v;
   copy_rod_frames(*w.model, w.state, &s);
   s.bodies.resize(w.model->bodies.size());
-  if (detail == SnapshotDetail::kReports) {
-    for (size_t b = 0; b < s.bodies.size(); ++b) s.bodies[b] = report_of(*w.model, w.model->bodies[b], w.state);
-    w.add_elastic_energies(&s.bodies);
-  }
   count_contacts(*w.model, w.dynamics.contacts, &s);
   s.grasps = w.grasps.reports();
   s.colliders = w.colliders.colliders();
@@ -191,6 +186,10 @@ Snapshot World::snapshot(SnapshotDetail detail) const {
   s.dt = w.settings.dt;
   s.substeps = w.substeps;
   s.max_penetration = w.max_penetration;
+  if (detail == SnapshotDetail::kMotion) return s;
+
+  for (size_t b = 0; b < s.bodies.size(); ++b) add_report(*w.model, w.model->bodies[b], w.state, &s.bodies[b]);
+  w.add_elastic_energies(&s.bodies);
   s.warnings = w.warnings();
   warn_of_strain(*w.model, s.bodies, &s.warnings);
 

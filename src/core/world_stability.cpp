@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
+#include "deformable_sim/core/integrator/lanczos.h"
 #include "deformable_sim/core/integrator/mass_factor.h"
 #include "world_parts.h"
 
@@ -13,10 +15,37 @@ namespace {
 constexpr double kSafety = 0.9;
 constexpr int kRemeasureSteps = 50;
 constexpr double kLeastDamping = 0.005;
+constexpr double kProbe = 1e-4;  // m/s, largest component: small against the speeds of drag, large against rounding
+
+/// Of M^(-1/2) C M^(-1/2) by Lanczos' method: C, like what dampers are, counts as symmetric.
+double rough_damping_rate(const Dynamics& d, const State& s) {
+  const Eigen::Index n = s.x.cols();
+  Eigen::VectorXd root = d.mass->cwiseSqrt().cwiseInverse();
+  for (int node : d.kinematics.node) root[node] = 0.0;
+  State probe = s;
+  const auto force = [&](const Nodes& v) {
+    probe.v = s.v + v;
+    Nodes f = Nodes::Zero(3, n);
+    for (const Energy* e : d.energies) e->add_force(probe, &f);
+    return f;
+  };
+  const Nodes rest = force(Nodes::Zero(3, n));
+  const auto times = [&](const Nodes& q) -> Nodes {
+    const Nodes v = q * root.asDiagonal();
+    const double largest = v.cwiseAbs().maxCoeff();
+    if (!(largest > 0.0)) return Nodes::Zero(3, n);
+    const double h = kProbe / largest;
+    return (rest - force(h * v)) * root.asDiagonal() / h;
+  };
+  Nodes start = lanczos_start(n);
+  for (int node : d.kinematics.node) start.col(node).setZero();
+  return std::max(0.0, largest_eigenvalue(times, std::move(start), kRoughLanczos));
+}
 
 }  // namespace
 
 double highest_damping_rate(const Dynamics& d, const State& s, Effort effort) {
+  if (effort == Effort::kRough && d.mass_matrix == nullptr) return rough_damping_rate(d, s);
   const Eigen::Index n = s.x.cols();
   std::vector<char> held(static_cast<size_t>(n), 0);
   for (int node : d.kinematics.node) held[static_cast<size_t>(node)] = 1;
@@ -34,9 +63,7 @@ double highest_damping_rate(const Dynamics& d, const State& s, Effort effort) {
   Nodes w(3, n);
   // Any start that is not smooth: the fastest damped modes alternate from node to node.
   for (Eigen::Index i = 0; i < w.size(); ++i) w.data()[i] = std::sin(12.9898 * static_cast<double>(i + 1));
-  constexpr double kProbe = 1e-4;  // m/s, largest component: small against the speeds of drag, large against rounding
   State probe = s;
-  const double change = effort == Effort::kRough ? 2e-2 : 1e-3;
   double rate = 0.0;
   for (int iteration = 0; iteration < 60; ++iteration) {
     for (Eigen::Index i = 0; i < n; ++i)
@@ -53,7 +80,7 @@ double highest_damping_rate(const Dynamics& d, const State& s, Effort effort) {
     }
     const double next = image.norm() / w.norm();
     w = image;
-    const bool settled = std::abs(next - rate) < change * next;
+    const bool settled = std::abs(next - rate) < 1e-3 * next;
     rate = next;
     if (settled) break;
   }

@@ -19,7 +19,10 @@ void draw_sheet(const Snapshot& snapshot, const Body& body, std::vector<Color> c
   const Eigen::Matrix3Xf normals = shown_normals(snapshot, body, x);
   const Light light;
   for (std::size_t i = 0; i < colors.size(); ++i) colors[i] *= light.on(normals.col(static_cast<Eigen::Index>(i)));
-  for (const std::array<int, 3>& triangle : shown_surface(body)->triangles) {
+  const std::vector<std::array<int, 3>>& triangles = shown_surface(body)->triangles;
+  marker->points.reserve(3 * triangles.size());
+  marker->colors.reserve(3 * triangles.size());
+  for (const std::array<int, 3>& triangle : triangles) {
     for (const int point : triangle) add_vertex(x.col(point), colors[static_cast<std::size_t>(point)], marker);
   }
 }

@@ -86,16 +86,18 @@ bool Outputs::offer(const World& world, std::uint64_t version, Motion motion, co
     now_[i] = false;
     bool pending = false;
     const bool is = is_due(entry, due, time, dt, version, motion, &pending);
-    if ((!is && !pending) || !entry.publisher->wanted()) continue;
+    if (!is && !pending) continue;
+    // Whether anybody listens is asked no more often than they would be told something.
+    if (is && motion == Motion::kRunning) {
+      due.next += entry.period;
+      if (due.next <= time || due.next > time + entry.period) due.next = time + entry.period;
+    }
+    if (!entry.publisher->wanted()) continue;
     if (!is) {
       later = true;
       continue;
     }
     now_[i] = any = true;
-    if (motion == Motion::kRunning) {
-      due.next += entry.period;
-      if (due.next <= time || due.next > time + entry.period) due.next = time + entry.period;
-    }
     due.version = version;
     due.joined = entry.publisher->joined();
     due.shown = Clock::now();

@@ -228,7 +228,6 @@ SolverSettings solver_settings(const SceneSpec& spec) {
 /// Scheme, solver and step, as the scene says or as measurements do.
 void set_solver(const SceneSpec& spec, const Model& model, WorldSettings* settings) {
   settings->dt = spec.step.dt;
-  settings->repeat = spec.step.repeat;
   settings->integrator = spec.step.integrator;
   settings->solver = solver_settings(spec);
   if (spec.step.mode == SolverMode::kManual) return;

@@ -139,14 +139,6 @@ Table<StepSpec> step_table() {
       "linear_iterations", [](StepSpec& s) -> int& { return s.solver.linear_iterations; }, 1, 100000,
       "At most, per linear solve (cg).");
   t.add(
-      {"repeat", "word", "", "poor", "poor, lost",
-       "Which steps are made again in two parts and more. poor: that end far from their solution or with contacts deep "
-       "inside. lost: only where a contact is about to be lost on the other side, so that the cost of a step is "
-       "bounded: for real time with few iterations and contacts; hanging stiff cloth moves too slowly then."},
-      [](const YamlValue& v, const std::string& path, StepSpec* out) {
-        out->repeat = read_choice(v, path, {"poor", "lost"}) == "poor" ? RepeatSteps::kPoor : RepeatSteps::kLost;
-      });
-  t.add(
       {"jacobian", "word", "", "lagged in scenes of ropes alone, else projected", "projected, lagged, axial",
        "What the matrix of springs is made of. projected: all but what makes it indefinite; lagged: the same with the "
        "tension at the start of the step, and (banded, away from contacts) whole Newton steps, for stiff ropes; axial: "

@@ -1,6 +1,7 @@
 // Stages of sheets on grids by multigrid: the same solution as the generic stage with a sparse factorisation.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 

@@ -174,7 +174,7 @@ TEST(HighestFrequency, OfAFreeChainIsItsClosedForm) {
   EXPECT_NEAR(highest_frequency(chain.dynamics, chain.state), expected, 1e-3 * expected);
 }
 
-TEST(HighestFrequency, IsWithinTwoPercentWhereThatWillDo) {
+TEST(HighestFrequency, IsWithinAPercentWhereThatWillDo) {
   // The same chain by one-sided differences; its highest frequencies lie close together, as those of fine meshes do.
   const int n = 200;
   System chain(make_line(1.0, n - 1).rest, Eigen::VectorXd::Constant(n, 0.002));
@@ -183,7 +183,21 @@ TEST(HighestFrequency, IsWithinTwoPercentWhereThatWillDo) {
   stiffness.bend = 0.0;
   chain.add_springs(line_network(make_line(1.0, n - 1), stiffness));
   const double expected = 2.0 * std::sqrt(9000.0 / 0.002) * std::sin(0.5 * M_PI * (n - 1) / n);
-  EXPECT_NEAR(highest_frequency(chain.dynamics, chain.state, Effort::kRough), expected, 0.02 * expected);
+  EXPECT_NEAR(highest_frequency(chain.dynamics, chain.state, Effort::kRough), expected, 0.01 * expected);
+}
+
+TEST(HighestDampingRate, OfDampedSpringsIsTheirTimeTimesTheSquareOfTheFrequency) {
+  // C = damping_time K: the fastest motion that only damps has the rate damping_time omega_max^2.
+  const int n = 200;
+  System chain(make_line(1.0, n - 1).rest, Eigen::VectorXd::Constant(n, 0.002));
+  LineStiffness stiffness;
+  stiffness.stretch = 9000.0;
+  stiffness.bend = 0.0;
+  stiffness.damping_time = 1e-3;
+  chain.add_springs(line_network(make_line(1.0, n - 1), stiffness));
+  const double omega = 2.0 * std::sqrt(9000.0 / 0.002) * std::sin(0.5 * M_PI * (n - 1) / n),
+               rate = 1e-3 * omega * omega;
+  EXPECT_NEAR(highest_damping_rate(chain.dynamics, chain.state, Effort::kRough), rate, 0.02 * rate);
 }
 
 TEST(HighestFrequency, HoldsPrescribedNodes) {

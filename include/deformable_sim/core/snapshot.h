@@ -39,7 +39,7 @@ struct Snapshot {
   // tangent it is normal to (unit; the second director is tangent x first). Empty without such rods.
   Nodes directors, tangents;
   RodState rods;                   // of those segments, for SetBodyState
-  std::vector<BodyReport> bodies;  // parallel to model->bodies; kMotion: contacts only
+  std::vector<BodyReport> bodies;  // parallel to model->bodies; kMotion: contacts only (nor cost and warnings)
   Eigen::VectorXf contact_force;   // N at each node, normal and friction; empty when nothing touches
   std::vector<GraspReport> grasps;
   std::vector<Collider> colliders;

@@ -13,15 +13,9 @@
 
 namespace deformable_sim {
 
-/// Which steps are made again in two parts, and in more: those that end far from their solution or with contacts deep
-/// inside, or only those whose contacts are about to be lost on the other side, so that the cost of a step is bounded.
-/// Steps without a finite state always are.
-enum class RepeatSteps { kPoor, kLost };
-
 struct WorldSettings {
   double dt = 0.01;  // s, one step
   int parts = 1;     // that a step is taken in, at least
-  RepeatSteps repeat = RepeatSteps::kPoor;
   std::string integrator = "implicit_euler";
   SolverSettings solver;
   std::string chosen;               // why these, where the scene left it open; shown to people
@@ -62,7 +56,7 @@ class World {
   const Model& model() const;
   std::shared_ptr<const Model> shared_model() const;
   const WorldSettings& settings() const;
-  /// kMotion leaves energies and strains of the bodies out, which cost about as much as the forces.
+  /// kMotion leaves out the bodies' energies and strains, which cost about as much as the forces, cost and warnings.
   Snapshot snapshot(SnapshotDetail detail = SnapshotDetail::kReports) const;
   /// Of the snapshot, the grasps alone.
   std::vector<GraspReport> grasp_reports() const;

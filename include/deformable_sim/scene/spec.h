@@ -213,7 +213,6 @@ struct StepSpec {
   bool dt_given = false;
   std::string integrator = "implicit_euler";
   SolverSettings solver;
-  RepeatSteps repeat = RepeatSteps::kPoor;
   // linear_solver, newton_iterations, jacobian: else build_world() decides
   bool solver_given = false, iterations_given = false, jacobian_given = false;
 };

@@ -3,24 +3,17 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 
 #include "deformable_sim/core/integrator/integrator.h"
+#include "deformable_sim/core/integrator/lanczos.h"
 #include "deformable_sim/core/integrator/mass_factor.h"
 
 namespace deformable_sim {
 namespace {
-
-constexpr int kMostSteps = 200;
-
-/// When Lanczos' method ends.
-struct Patience {
-  int check_every;
-  double change;  // of the eigenvalue between two checks
-};
-constexpr Patience kFine{10, 1e-4}, kRough{5, 2e-2};
 
 /// M^(-1/2) K M^(-1/2), or L^-1 K L^-T of a mass matrix L L^T, by central differences of the forces: no matrix of K has
 /// to exist.
@@ -77,8 +70,9 @@ class MassScaledStiffness {
   std::unique_ptr<MassFactor> mass_factor_;
 };
 
-/// Fixed pseudo-random numbers in [-1, 1]: no direction is left out, and every call gives the same bits.
-Nodes start_vector(Eigen::Index n) {
+}  // namespace
+
+Nodes lanczos_start(Eigen::Index n) {
   Nodes q(3, n);
   std::uint64_t state = 0x9E3779B97F4A7C15u;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
@@ -96,39 +90,15 @@ double largest_of_tridiagonal(const std::vector<double>& alpha, const std::vecto
   return solver.eigenvalues()[n - 1];
 }
 
-}  // namespace
-
 double highest_frequency(const Dynamics& d, const State& s, Effort effort) {
-  const Patience patience = effort == Effort::kRough ? kRough : kFine;
   MassScaledStiffness stiffness(d, s, effort);
-  Nodes q = start_vector(s.x.cols());
+  Nodes q = lanczos_start(s.x.cols());
   for (Eigen::Index i = 0; i < q.cols(); ++i) {
     if (stiffness.root()[i] == 0.0) q.col(i).setZero();
   }
-  if (!(q.norm() > 0.0)) return 0.0;
-  q /= q.norm();
-
-  Nodes last = Nodes::Zero(3, q.cols());
-  std::vector<double> alpha, beta;
-  double found = 0.0;
-  for (int k = 1; k <= kMostSteps; ++k) {
-    Nodes next = stiffness.times(q);
-    alpha.push_back(next.cwiseProduct(q).sum());
-    next -= alpha.back() * q;
-    if (k > 1) next -= beta.back() * last;
-    const double norm = next.norm();
-    const bool exhausted = norm <= 1e-6 * std::abs(alpha.front()) || norm == 0.0;
-    if (exhausted || k % patience.check_every == 0) {
-      const double largest = largest_of_tridiagonal(alpha, beta);
-      const bool settled = std::abs(largest - found) <= patience.change * std::abs(largest);
-      found = largest;
-      if (exhausted || settled) break;
-    }
-    beta.push_back(norm);
-    last = q;
-    q = next / norm;
-  }
-  return std::sqrt(std::max(0.0, found));
+  const double largest = largest_eigenvalue([&stiffness](const Nodes& at) { return stiffness.times(at); }, std::move(q),
+                                            effort == Effort::kRough ? kRoughLanczos : kFineLanczos);
+  return std::sqrt(std::max(0.0, largest));
 }
 
 }  // namespace deformable_sim

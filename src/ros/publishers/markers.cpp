@@ -49,16 +49,16 @@ class Markers : public TopicsPublisher {
     for (std::size_t i = 0; i < snapshot.model->bodies.size(); ++i) {
       Marker marker = body_marker(snapshot, static_cast<int>(i), outputs_);
       marker.ns = "body/" + snapshot.model->bodies[i].name;
-      if (!marker.points.empty()) add(marker, Marker::ADD, message);
+      if (!marker.points.empty()) add(std::move(marker), Marker::ADD, message);
       if (outputs_.wireframe) {
         Marker lines = wireframe_marker(snapshot, static_cast<int>(i));
         lines.ns = "wireframe/" + snapshot.model->bodies[i].name;
-        add(lines, Marker::ADD, message);
+        add(std::move(lines), Marker::ADD, message);
       }
       if (outputs_.frames && snapshot.model->bodies[i].first_segment >= 0) {
         Marker frames = frames_marker(snapshot, static_cast<int>(i));
         frames.ns = "frames/" + snapshot.model->bodies[i].name;
-        add(frames, Marker::ADD, message);
+        add(std::move(frames), Marker::ADD, message);
       }
     }
     for (const Collider& collider : snapshot.colliders) {

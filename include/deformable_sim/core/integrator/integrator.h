@@ -89,13 +89,13 @@ std::unique_ptr<Integrator> make_integrator(const std::string& name, const Solve
 std::vector<std::string> integrator_names();
 
 /// Highest natural frequency (rad/s) of M^-1 K at state `s`, K = -df/dx by central differences of the forces, so that
-/// no matrix has to exist; Lanczos' method. Kinematic nodes are held. Relative accuracy 0.1 % or better; rough: some 2
-/// %, by one-sided differences and fewer of them.
+/// no matrix has to exist; Lanczos' method. Kinematic nodes are held. Relative accuracy 0.1 % or better; rough: 1 %, by
+/// one-sided differences and fewer of them.
 enum class Effort { kFine, kRough };
 double highest_frequency(const Dynamics& d, const State& s, Effort effort = Effort::kFine);
 
 /// Highest rate (1/s) at which forces of velocity damp a motion of M v' = f(v) at state `s`, by power iteration.
-/// Relative accuracy 1 %; rough: some 10 %.
+/// Relative accuracy 5 %; rough: 1 %, by Lanczos' method where masses are lumped.
 double highest_damping_rate(const Dynamics& d, const State& s, Effort effort = Effort::kFine);
 
 /// Largest stable step (s) of an explicit scheme for a body of highest frequency omega (rad/s) and highest damping rate
