@@ -1,6 +1,6 @@
 # Google Benchmark programs, run by ./run bench; built by the target bench_programs only.
 find_package(benchmark REQUIRED)
-set(BENCH_PROGRAMS step_bench strain_bench rope_bench solver_bench real_time_bench)
+set(BENCH_PROGRAMS step_bench strain_bench rope_bench solver_bench kernel_bench real_time_bench)
 foreach(program ${BENCH_PROGRAMS})
   add_executable(${program} EXCLUDE_FROM_ALL bench/${program}.cpp bench/scenes.cpp)
   target_link_libraries(${program} PRIVATE ${PROJECT_NAME}_scene benchmark::benchmark)

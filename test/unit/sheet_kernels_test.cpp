@@ -7,8 +7,8 @@ namespace deformable_sim::test {
 namespace {
 
 TEST(SheetKernels, HaveTheForcesOfTheTermsTheyStandFor) {
-  // Equal to rounding: of each precision (of k L, some hundred times the smallest of the largest forces); with every feature, at every width, and at
-  // sizes below, at and above a register.
+  // Equal to rounding of each precision, which in single is that of k L, some hundred times the smallest of the largest
+  // forces; with every feature, at every width, and at sizes below, at and above a register.
   for (const auto& [cells_x, cells_y] : {std::pair(1, 1), {2, 3}, {7, 4}, {15, 9}, {16, 2}, {33, 17}}) {
     for (int bits = 0; bits < 16; ++bits) {
       const GridTerms sheet({cells_x, cells_y, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0});

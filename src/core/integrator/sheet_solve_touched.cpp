@@ -7,7 +7,7 @@ namespace {
 // As in ImplicitStage.
 constexpr double kDeep = 3e-4;  // m
 
-constexpr double kRough = 50.0;  // m/s^2
+constexpr double kRough = 35.0;  // m/s^2
 
 }  // namespace
 
