@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scheme_parts.h"
-
 namespace deformable_sim {
 
 template <class Real>
