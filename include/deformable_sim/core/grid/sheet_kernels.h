@@ -4,6 +4,8 @@
 
 #include <cstddef>
 
+#include "deformable_sim/core/simd_level.h"
+
 namespace deformable_sim {
 
 /// Positions lie in rows of `stride` numbers, x, y and z apart; node (row, col) at row * stride + col. Two rows above
@@ -67,12 +69,6 @@ struct SheetKernels {
                  const SheetScratch<Real>&);
   void (*leap)(const SheetShape<Real>&, const SheetLeap<Real>&, const SheetScratch<Real>&);
 };
-
-enum class SimdLevel { kSse2, kAvx2, kAvx512 };
-
-/// The widest that this machine has; the environment variable DEFORMABLE_SIM_SIMD (sse2, avx2, avx512) lowers it.
-SimdLevel simd_level();
-const char* name_of(SimdLevel level);
 
 const SheetKernels<float>& sheet_kernels(SimdLevel level, float);
 const SheetKernels<double>& sheet_kernels(SimdLevel level, double);
