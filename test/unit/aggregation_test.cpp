@@ -5,9 +5,9 @@
 #include <cmath>
 #include <random>
 
-#include "deformable_sim/core/energy/constant_links.h"
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/linear/aggregation_multigrid.h"
+#include "deformable_sim/core/linear/constant_links.h"
 #include "deformable_sim/core/linear/multigrid_solver.h"
 #include "support/crooked_sheet.h"
 #include "support/system.h"

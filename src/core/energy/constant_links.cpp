@@ -1,4 +1,5 @@
-#include "deformable_sim/core/energy/constant_links.h"
+// Rows of constant links from weights.
+#include "deformable_sim/core/energy/shell_terms.h"
 
 #include <algorithm>
 #include <numeric>

@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "deformable_sim/core/energy/shell_terms.h"
+
 namespace deformable_sim {
 
 std::vector<QuadraticWeight> quadratic_weights(const PlateMesh& plate, const std::vector<Eigen::Vector4d>& flat,

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "deformable_sim/core/element/hinge.h"
-#include "deformable_sim/core/energy/constant_links.h"
 #include "deformable_sim/core/energy/energy.h"
+#include "deformable_sim/core/linear/constant_links.h"
+#include "deformable_sim/core/material/bending_law.h"
 #include "deformable_sim/core/material/plate_patches.h"
 
 namespace deformable_sim {

@@ -3,10 +3,10 @@
 #include <string>
 #include <utility>
 
-#include "deformable_sim/core/energy/constant_links.h"
 #include "deformable_sim/core/energy/quadratic_term.h"
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/linear/block_kernels.h"
+#include "deformable_sim/core/linear/constant_links.h"
 
 namespace deformable_sim {
 namespace {

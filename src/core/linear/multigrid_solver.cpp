@@ -231,11 +231,10 @@ class Solver : public MultigridSolver {
     }
   }
 
-  double total_weight(const BlockMatrix& a) const {
+  static double total_weight(const BlockMatrix& a) {
     double sum = 0.0;
-    for (size_t p = 0; p < node_.size(); ++p)
-      for (int k = start_[p]; k < start_[p + 1]; ++k)
-        if (k != diagonal_[p]) sum += a.block(slot_[static_cast<size_t>(k)]).norm();
+    for (int k = 0; k < a.block_count(); ++k) sum += a.block(k).norm();
+    for (int i = 0; i < a.rows(); ++i) sum -= a.block(a.diagonal_slot(i)).norm();
     return sum;
   }
 

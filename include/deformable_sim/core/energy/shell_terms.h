@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "deformable_sim/core/energy/energy.h"
+#include "deformable_sim/core/linear/constant_links.h"
 #include "deformable_sim/core/material/bending_law.h"
 #include "deformable_sim/core/material/sheet_law.h"
 #include "deformable_sim/core/topology/triangle_mesh.h"
@@ -36,6 +37,9 @@ std::vector<QuadraticWeight> quadratic_bending_weights(const TriangleMesh& mesh,
 /// rate of turning).
 std::unique_ptr<Energy> make_quadratic_links(const std::string& name, const std::vector<QuadraticWeight>& weights,
                                              double damping, int first_node);
+
+/// Weights as of a quadratic energy, f = sum w (y_b - y_a) on a; nodes of the weights count from first_node.
+ConstantLinks make_constant_links(const std::vector<QuadraticWeight>& weights, double damping, int first_node);
 
 /// Principal stretches - 1 at the nodes (2 x n, larger first): singular values of F, averaged over the faces by area.
 Eigen::Matrix2Xf principal_strains(const TriangleMesh& mesh, const Nodes& x_body);

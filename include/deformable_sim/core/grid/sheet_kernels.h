@@ -4,6 +4,8 @@
 
 #include <cstddef>
 
+#include "deformable_sim/core/simd_level.h"
+
 namespace deformable_sim {
 
 /// Positions lie in rows of `stride` numbers, x, y and z apart; node (row, col) at row * stride + col. Two rows above
@@ -49,12 +51,6 @@ struct SheetKernels {
   void (*forces)(const SheetShape<double>&, Xyz<double> x, Xyz<double> v, Xyz<double> y, Xyz<double> force,
                  const SheetScratch<double>&);
 };
-
-enum class SimdLevel { kSse2, kAvx2, kAvx512 };
-
-/// The widest that this machine has; the environment variable DEFORMABLE_SIM_SIMD (sse2, avx2, avx512) lowers it.
-SimdLevel simd_level();
-const char* name_of(SimdLevel level);
 
 const SheetKernels& sheet_kernels(SimdLevel level);
 

@@ -21,8 +21,9 @@ namespace deformable_sim {
 /// what is left is measured as A^-1 r / tau^2 with the last factors: the acceleration that one more step would add.
 /// That is the report's residual, and what the tolerance is for.
 ///
-/// With multigrid Newton starts from x_start + duration v_start: few iterations of it leave spring forces that are large
-/// and short-lived, and a guess made of them costs more than it saves. A body at rest still starts from where it is.
+/// With multigrid Newton starts from x_start + duration v_start: few iterations of it leave spring forces that are
+/// large and short-lived, and a guess made of them costs more than it saves. A body at rest still starts from where it
+/// is.
 ///
 /// Linearised, f is replaced by its expansion about the start, f0 + K (x - x0) + C (v - v0), K and C exact: one linear
 /// solve, or a few with the same matrix where contacts close. If the matrix is then not definite (springs compressed

@@ -1,7 +1,7 @@
 // The loops of sparse products and of conjugate gradients, once for each instruction set.
 #pragma once
 
-#include "deformable_sim/core/grid/sheet_kernels.h"
+#include "deformable_sim/core/simd_level.h"
 
 namespace deformable_sim {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "deformable_sim/core/energy/constant_links.h"
+#include "deformable_sim/core/linear/constant_links.h"
 #include "deformable_sim/core/linear/linear_solver.h"
 
 namespace deformable_sim {

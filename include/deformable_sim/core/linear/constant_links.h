@@ -3,8 +3,6 @@
 
 #include <vector>
 
-#include "deformable_sim/core/material/bending_law.h"
-
 namespace deformable_sim {
 
 /// f_i = sum_j k_ij (y_j - y_i), y = x + damping v: compressed rows, without the diagonal; k_ij = k_ji. Rows come in an
@@ -20,8 +18,5 @@ struct ConstantLinks {
 
   int rows() const { return static_cast<int>(sum.size()); }
 };
-
-/// Weights as of a quadratic energy, f = sum w (y_b - y_a) on a; nodes of the weights count from first_node.
-ConstantLinks make_constant_links(const std::vector<QuadraticWeight>& weights, double damping, int first_node);
 
 }  // namespace deformable_sim
