@@ -29,9 +29,11 @@ SheetMotion<Real>::SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& ma
           {sheet.warp.length, sheet.weft.length, sheet.shear_length, sheet.warp_bend.length, sheet.weft_bend.length})),
       keeps_(static_cast<size_t>(sheet.rows), 0) {
   if (!sheet.bending.empty()) {
-    start_ = rows_.template make_points<Position>();
     y_ = rows_.template make_points<Real>();
-    bent_ = rows_.template make_points<Real>();
+    if (kCounts) {
+      start_ = rows_.template make_points<Position>();
+      bent_ = rows_.template make_points<Real>();
+    }
   }
   for (int k = 0; k < rows_.node_count(); ++k) {
     gain_.data()[rows_.number_place(k)] = static_cast<Real>(1.0 / mass[sheet.first_node + k]);
@@ -85,8 +87,8 @@ void SheetMotion<Real>::put(std::ptrdiff_t place, std::ptrdiff_t own, const Vec3
     x_.data()[place] = counted(x[d], d);
     v_.data()[place] = static_cast<Real>(v[d]);
     if (y_.empty()) continue;
-    y_.data()[place] =
-        static_cast<Real>(x_.data()[place] - start_.data()[own]) + static_cast<Real>(lag * v[d] * per_unit_);
+    const Position from = kCounts ? start_.data()[own] : Position(0);
+    y_.data()[place] = static_cast<Real>(x_.data()[place] - from) + static_cast<Real>(lag * v[d] * per_unit_);
   }
 }
 

@@ -58,9 +58,9 @@ struct MotionLeap {
   using Position = typename MotionPosition<Real>::Type;
   Position* x;
   Real unit;               // m, of x
-  Position* start;         // x when the step began
+  Position* start;         // x when the step began; double precision: null, the origin instead
   Real *v, *y;             // y: units
-  Real* bent;              // N, of bending at start
+  Real* bent;              // N, of bending at start; null likewise
   const Real* gain;        // 1/kg by node: 0 at held nodes and where there is none
   Real lost, kick, drift;  // lost: the share that drag takes; s; s
   Real gravity[3];
