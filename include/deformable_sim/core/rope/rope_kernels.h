@@ -1,7 +1,7 @@
 // The inner loops of implicit steps of ropes: forces, matrix, factors and solution in one walk along the line.
 #pragma once
 
-#include "deformable_sim/core/grid/sheet_kernels.h"
+#include "deformable_sim/core/simd_level.h"
 
 namespace deformable_sim {
 
