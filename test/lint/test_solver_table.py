@@ -13,10 +13,10 @@ SPEC.loader.exec_module(solver_table)
 FRAME = 1.0 / 60.0
 
 
-def run(integrator, error, cpu, dt=FRAME, solver='', newton=0, status='done'):
+def run(integrator, error, cpu, dt=FRAME, solver='', newton=0, status='done', strain=0.02):
     return {'integrator': integrator, 'linear_solver': solver, 'newton_iterations': newton, 'linear_tolerance': 0.1,
             'linear_iterations': 50 if solver == 'multigrid' else 0, 'precision': 'double', 'fraction_of_limit': 0.95,
-            'dt_s': dt, 'status': status, 'position_error': error, 'cpu_per_second': cpu}
+            'dt_s': dt, 'status': status, 'position_error': error, 'strain_error': strain, 'cpu_per_second': cpu}
 
 
 def study(name, bodies, runs, resolution=1e-6):
@@ -51,6 +51,13 @@ class SolverTable(unittest.TestCase):
                run('bdf2', 0.001, 0.1, solver='banded', newton=2), run('bdf2', 0.001, 0.1, solver='banded', newton=1000),
                run('bdf2', 0.001, 0.1, dt=0.007, solver='banded', newton=20)]
         self.assertEqual(runs_of(solver_table.text_of([study('rope', 'rope', [good] + bad)])), [(0, 0.02, 1.0)])
+
+    def test_offers_dual_schemes_only_where_nothing_is_stretched_falsely(self):
+        text = solver_table.text_of([study('one', 'sheet', [
+            run('line_dual', 0.01, 0.1, solver='lines', newton=1), run('bdf2', 0.01, 0.3, solver='multigrid', newton=1),
+            run('line_dual', 0.01, 0.2, solver='lines', newton=2, strain=0.009)])])
+        self.assertEqual(sorted(cpu for _, _, cpu in runs_of(text)), [0.2, 0.3])
+        self.assertIn('newton_iterations: 2', text)
 
     def test_knows_the_cheapest_of_all_even_where_it_is_not_offered(self):
         text = solver_table.text_of([study('rope', 'rope', [
