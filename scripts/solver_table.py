@@ -18,7 +18,7 @@ HEAD = """\
 # Errors and costs of solvers, measured. Written by `./run study work_precision --suite --store`; not meant to be edited.
 # `solver: auto` takes from here the cheapest configuration for a scene (doc/work_precision.md).
 # runs: [configuration, error, CPU s per simulated s]: RMS of the positions over a second, relative to the body's size.
-# failed: configurations that diverged. cheapest: [error, CPU s per simulated s] of all that was run
+# failed: configurations that diverged, or were off by too much. cheapest: [error, CPU s per simulated s] of all that was run
 # with at least 60 steps a second, but for implicit_midpoint, which is never chosen.
 """
 
@@ -94,7 +94,7 @@ def scene_lines(scene, number_of):
         if key in number_of:
             numbers[number_of[key]] = (scene.error(run), run['cpu_per_second'])
     failed = sorted({number_of[configuration_of(run)] for run in scene.study['runs']
-                     if run['status'] == 'diverged' and configuration_of(run) in number_of})
+                     if run['status'] != 'stopped' and configuration_of(run) in number_of} - set(numbers))
     lines = ['  - name: %s' % scene.study['name'],
              '    bodies: %s' % features['bodies'],
              '    nodes: %d' % features['nodes'],

@@ -39,5 +39,7 @@ constexpr double kFar = 6.0;
 /// CPU seconds a run will take, from coarser runs of its family, else at least what a related, cheaper configuration
 /// took with the same step. 0: nothing is known.
 double expected_cpu(const Configuration& k, const std::vector<Row>& rows);
+/// CPU time of a run with an implicit scheme before anything like it was run, s: the order of magnitude.
+double guessed_cpu(const Case& c, const Configuration& configuration);
 
 }  // namespace deformable_sim::work_precision

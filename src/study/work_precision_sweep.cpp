@@ -11,6 +11,7 @@ constexpr double kShort = 0.1;       // CPU s: shorter runs are repeated ...
 constexpr int kRepeats = 2;          // ... so many times, and the fastest counts
 constexpr double kProbe = 0.02;      // of what a run may cost
 constexpr double kLongSteps = 16.0;  // limits in a step of a probe
+constexpr double kForBases = 0.25;   // of the budget, for runs that only tell what of an error is the solver's
 constexpr double kWildStrain = 1.0;  // off by more than this, a finite state is no solution either
 
 /// What the solver's part of an error is measured at.
@@ -59,7 +60,8 @@ double Sweep::expected(const Lane& lane) const {
   Configuration k = lane.family.configuration;
   k.steps = lane.family.ladder[lane.next];
   const double known_cost = expected_cpu(k, rows_);
-  return known_cost > 0.0 || !k.is_explicit() ? known_cost : lane.probed;
+  if (known_cost > 0.0) return known_cost;
+  return k.is_explicit() ? lane.probed : guessed_cpu(*bench_.subject, k);
 }
 
 void Sweep::give_up(const Lane& lane, const std::string& why) {
@@ -130,6 +132,7 @@ Row Sweep::measure(const Configuration& k) {
 const Trajectory* Sweep::base(const Configuration& k) {
   const auto known_base = base_.find(place(k));
   if (known_base != base_.end()) return &known_base->second;
+  if (spent_on_bases_ > kForBases * bench_.until) return nullptr;
   const Configuration* cheapest = nullptr;
   double least = bench_.most_per_run;
   for (Configuration& candidate : bases_) {
@@ -145,12 +148,14 @@ const Trajectory* Sweep::base(const Configuration& k) {
   if (before == nullptr) before = known(*cheapest);
   if (before != nullptr && before->status != Status::kDone) return nullptr;
   const Configuration chosen = *cheapest;
+  const double began = bench_.budget->spent();
   if (before != nullptr) {
     // Run by the study that is resumed: its states were not kept.
     base_[place(k)] = run(*bench_.subject, chosen, bench_.tight, bench_.most_per_run).trajectory;
   } else {
     find_row(chosen);
   }
+  spent_on_bases_ += bench_.budget->spent() - began;
   const auto made = base_.find(place(k));
   return made == base_.end() ? nullptr : &made->second;
 }

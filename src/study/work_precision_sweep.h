@@ -50,6 +50,7 @@ class Sweep {
   std::vector<Row> rows_;
   std::vector<Configuration> bases_;        // families that can be one
   std::map<std::string, Trajectory> base_;  // by scheme and steps
+  double spent_on_bases_ = 0.0;             // CPU s
   std::vector<std::string> left_out_;
 };
 

@@ -163,8 +163,9 @@ TEST(Simulate, StopsOnAnInterruptWithItsSummary) {
   const std::string dir = testing::TempDir() + "interrupted";
   std::filesystem::remove_all(dir);
   const Outcome outcome =
-      run("minimal --seconds 100000 --json --quiet --set bodies[0].cloth.cells=[2,2] --set colliders=[] --out " + dir +
-          " --every 1000 & PID=$!; while [ ! -e " + dir +
+      run("minimal --seconds 100000 --json --quiet --set bodies[0].cloth.cells=[2,2] --set "
+          "bodies[0].cloth.pins=[corner_0] --set colliders=[] --out " +
+          dir + " --every 1000 & PID=$!; while [ ! -e " + dir +
           "/cloth_000000.csv ] && kill -0 $PID; do :; done; kill -INT $PID; wait $PID");
   EXPECT_EQ(outcome.code, 130);
   EXPECT_NE(outcome.out.find("\"time\": "), std::string::npos);

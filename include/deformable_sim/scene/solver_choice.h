@@ -56,7 +56,7 @@ struct SolverTable {
     std::string name;
     SceneFeatures features;
     std::vector<Run> runs;           // those worth taking
-    std::vector<size_t> failed;      // configurations that diverged
+    std::vector<size_t> failed;      // configurations that diverged, or were off by too much
     std::vector<Cheapest> cheapest;  // for some errors, of all that was measured, also of what no choice offers
   };
   std::vector<SolverConfiguration> configurations;
