@@ -11,7 +11,7 @@ UNSAFE = ('implicit_midpoint',)  # not L-stable: blows up in other scenes where 
 DUAL = ('line_dual', 'xpbd', 'projective_dynamics')  # may stretch or freeze what they put in the right place on the whole:
 MOST_STRAIN = 0.01     # offered where no edge's strain is off by more
 OWN_STEP = ('explicit_euler', 'symplectic_euler', 'velocity_verlet', 'rk4')  # their steps follow the scene
-AMPLE = 20             # Newton iterations
+AMPLE = 4              # Newton iterations; less leaves stiff ropes frozen or torn
 CONVERGED = 1000       # Newton iterations that stand for a yardstick, not for a way to run a scene
 
 HEAD = """\
@@ -19,7 +19,7 @@ HEAD = """\
 # `solver: auto` takes from here the cheapest configuration for a scene (doc/work_precision.md).
 # runs: [configuration, error, CPU s per simulated s]: RMS of the positions over a second, relative to the body's size.
 # failed: configurations that diverged, or were off by too much. cheapest: [error, CPU s per simulated s] of all that was run
-# with at least 60 steps a second, but for implicit_midpoint, which is never chosen.
+# with at least 60 steps a second, but for what is never chosen: implicit_midpoint, and ropes with few Newton iterations.
 """
 
 
@@ -32,6 +32,16 @@ def on_ladder(dt):
     return False
 
 
+def step_of(run):
+    """A scheme that divides its steps costs and errs the same in shorter ones."""
+    return min(run['dt_s'], 1.0 / SLOWEST) if run['integrator'] == 'substepped_verlet' else run['dt_s']
+
+
+def is_rope_left_short(run, bodies):
+    """Of a rope, the tolerance has to end Newton's iterations, not their number."""
+    return bodies in ('rope', 'rod') and 0 < run['newton_iterations'] < AMPLE
+
+
 def configuration_of(run):
     keys = ['integrator: %s' % run['integrator']]
     if run['linear_solver']:
@@ -42,7 +52,7 @@ def configuration_of(run):
         keys.append('precision: %s' % run['precision'])
     if run['fraction_of_limit'] != 0.95:
         keys.append('fraction_of_limit: %g' % run['fraction_of_limit'])
-    return '{%s, dt: %.9g}' % (', '.join(keys), run['dt_s'])
+    return '{%s, dt: %.9g}' % (', '.join(keys), step_of(run))
 
 
 def is_known(run):
@@ -52,10 +62,9 @@ def is_known(run):
 
 
 def is_offered(run, bodies):
-    """May a scene be run so? Of a rope, the tolerance has to end Newton's iterations, not their number."""
-    few = bodies in ('rope', 'rod') and 0 < run['newton_iterations'] < AMPLE
-    return (on_ladder(run['dt_s']) and run['integrator'] not in OWN_STEP + UNSAFE and not few
-            and run['newton_iterations'] != CONVERGED)
+    """May a scene be run so?"""
+    return (on_ladder(step_of(run)) and run['integrator'] not in OWN_STEP + UNSAFE
+            and not is_rope_left_short(run, bodies) and run['newton_iterations'] != CONVERGED)
 
 
 class Scene:
@@ -80,7 +89,9 @@ class Scene:
         for wanted in WANTED:
             costs = [run['cpu_per_second'] for run in self.known
                      if self.error(run) <= wanted and run['newton_iterations'] != CONVERGED
-                     and run['integrator'] not in UNSAFE and run['dt_s'] * SLOWEST < 1.0 + 1e-6]
+                     and run['integrator'] not in UNSAFE
+                     and not is_rope_left_short(run, self.study['features']['bodies'])
+                     and run['dt_s'] * SLOWEST < 1.0 + 1e-6]
             if costs:
                 found.append((wanted, min(costs)))
         return found
@@ -89,7 +100,7 @@ class Scene:
 def scene_lines(scene, number_of):
     features = scene.study['features']
     numbers = {}
-    for run in scene.offered:
+    for run in sorted(scene.offered, key=lambda run: -run['dt_s']):
         key = configuration_of(run)
         if key in number_of:
             numbers[number_of[key]] = (scene.error(run), run['cpu_per_second'])

@@ -245,8 +245,8 @@ void set_solver(const SceneSpec& spec, const Model& model, WorldSettings* settin
                                  [](const BodySpec& body) { return body.kind == BodyKind::kRope; });
   const int ample = settings->solver.newton_iterations;
   settings->solver = settings_of(chosen, settings->solver, ropes);
-  // As many as stiff ropes may need, where the measured ones were not limited either.
-  if (ropes && chosen.newton_iterations >= kRopeIterations) settings->solver.newton_iterations = ample;
+  // As many as stiff ropes may need: the tolerance ends them, of measured ones too.
+  if (ropes) settings->solver.newton_iterations = ample;
 }
 
 }  // namespace

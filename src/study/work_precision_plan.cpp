@@ -78,7 +78,7 @@ std::vector<Configuration> implicit_configurations(const Case& c, const std::str
     k.linear_iterations = solver.iterations;
     std::vector<int> newton = effort == study::Effort::kQuick ? std::vector<int>{1} : std::vector<int>{1, 2, 4};
     // The tolerance, not the number, ends these: one Newton step of a stiff rope leaves it frozen or torn.
-    if (c.features.kind == "rope") newton.push_back(kAmple);
+    if (c.features.kind == "rope") newton.insert(newton.begin(), kAmple);
     if (linearised) newton = {c.features.contact ? 4 : 1};
     for (const int n : newton) {
       k.newton_iterations = n;

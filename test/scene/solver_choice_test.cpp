@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <string>
@@ -159,8 +160,8 @@ TEST(SolverTableShipped, NeverChoosesWhatCostsHalfAsMuchAgainAsTheCheapest) {
   EXPECT_GT(checked, 60);
 }
 
-TEST(SolverTableShipped, KnowsSheetsRopesRodsAndSolidsWithAndWithoutContact) {
-  for (const char* bodies : {"sheet on a grid", "sheet", "rope", "rod", "solid"}) {
+TEST(SolverTableShipped, KnowsSheetsOnGridsRopesRodsAndSolids) {
+  for (const char* bodies : {"sheet on a grid", "rope", "rod", "solid"}) {
     int count = 0;
     for (const SolverTable::Scene& scene : shipped().scenes) count += scene.features.bodies == bodies;
     EXPECT_GE(count, 2) << bodies;
@@ -234,6 +235,23 @@ TEST(SolverAuto, RefusesToMixWithAPartOfASolverNamingTheLine) {
 }
 
 TEST(SolverTableFile, IsRefusedWithItsLine) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    const std::string path = testing::TempDir() + "solvers.yaml";
+    std::ofstream(path) << text;
+    try {
+      read_solver_table(path);
+    } catch (const InputError& error) {
+      return std::string(error.what()).substr(path.size());
+    }
+    return "";
+  };
+  const std::string configurations = "configurations:\n  - {integrator: bdf2, dt: 0.01}\n";
+  const std::string scene = "scenes:\n  - {name: a, bodies: rope, nodes: 2, explicit_steps: 1, ";
+  EXPECT_EQ(refusal(configurations + scene + "runs: [[0, 0.1, 1]]}\n"), "");
+  EXPECT_EQ(refusal(configurations + scene + "runs: [[1, 0.1, 1]]}\n"),
+            ":4: scenes.runs: 1 is out of range; allowed: 0 ... 0");
+  EXPECT_EQ(refusal(configurations + scene + "runs: [[0, -0.1, 1]]}\n").substr(0, 3), ":4:");
+  EXPECT_EQ(refusal("scenes: []\n").substr(0, 3), ":1:");
   EXPECT_THROW(read_solver_table("/nowhere/solvers.yaml"), InputError);
 }
 
