@@ -22,7 +22,8 @@ constexpr int kDone = 0, kFailed = 1, kRefused = 2;
 const char kUsage[] =
     "usage: study material MATERIAL [--model M] [--out DIR] [--quick] [--json]\n"
     "       study work_precision SCENE | --suite ...      (study work_precision --help)\n"
-    "       study solvers            what solver: auto chooses for the scenes of config/solvers.yaml, and how good it is\n"
+    "       study solvers            what solver: auto chooses for the scenes of config/solvers.yaml, and how good it "
+    "is\n"
     "       study --list | --models | --material-reference | --help\n"
     "       ./run study verify [--only TESTS] [--out DIR]   (in a checkout: every yardstick, see doc/verification.md)\n"
     "\n"
@@ -44,9 +45,10 @@ struct Arguments {
 
 Arguments read_arguments(const std::vector<std::string>& words) {
   if (words.empty() || words[0] != "material")
-    throw InputError("'" + (words.empty() ? "" : words[0]) +
-                     "': the first word must be 'material', 'work_precision' or 'solvers', or the only one --list, --models, "
-                     "--material-reference or --help");
+    throw InputError(
+        "'" + (words.empty() ? "" : words[0]) +
+        "': the first word must be 'material', 'work_precision' or 'solvers', or the only one --list, --models, "
+        "--material-reference or --help");
   Arguments a;
   for (size_t k = 1; k < words.size(); ++k) {
     const std::string& word = words[k];

@@ -149,10 +149,10 @@ std::vector<std::string> World::Parts::warnings() const {
   if (!failure.empty()) {
     warnings.push_back(failure);
   } else if (!report.converged && report.residual > kNotableResidual) {
-    std::snprintf(text, sizeof text,
-                  "the step is inaccurate: RMS unbalanced acceleration %.3g m/s^2; a smaller step.dt or more "
-                  "step.newton_iterations mend it",
-                  report.residual);
+    std::snprintf(text, sizeof text, "the step is inaccurate: RMS unbalanced acceleration %.3g m/s^2; %s",
+                  report.residual,
+                  settings.chosen.empty() ? "a smaller step.dt or more step.newton_iterations mend it"
+                                          : "a smaller step.accuracy mends it");
     warnings.emplace_back(text);
   }
   return warnings;

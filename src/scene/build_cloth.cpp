@@ -119,10 +119,10 @@ std::vector<QuadraticWeight> bending_differences(const BodySpec& spec, const Tri
 
 void add_quadratic_bending(const BodySpec& spec, const TriangleMesh& mesh,
                            const std::vector<QuadraticWeight>& differences, int first_node, Parts* parts) {
-  parts->terms.push_back(make_quadratic_links(
-      "bending: quadratic",
-      mesh.is_grid() ? differences : quadratic_bending_weights(mesh, bending_material(spec, mesh)),
-      bending_damping(spec), first_node));
+  parts->terms.push_back(
+      make_quadratic_links("bending: quadratic",
+                           mesh.is_grid() ? differences : quadratic_bending_weights(mesh, bending_material(spec, mesh)),
+                           bending_damping(spec), first_node));
 }
 
 /// What fast kernels see of a grid of springs.
