@@ -18,7 +18,12 @@ Nodes start_of(const Case& c) {
 
 /// Runs `other` as `with`. False: `part` says why there is nothing.
 bool solve(const Case& other, const Row& with, double tight, double most, Run* found, Part* part) {
-  *found = run(other, with.configuration, tight, most);
+  try {
+    *found = run(other, with.configuration, tight, most);
+  } catch (const InputError& error) {  // a scheme that does not know the other model's terms
+    part->how = error.what();
+    return false;
+  }
   part->uncertain = with.errors.position;
   part->how = with.configuration.family() + ", dt " + std::to_string(with.dt) + " s";
   if (found->status == Status::kDone) return true;
