@@ -63,6 +63,13 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+void check_scheme(const Integrator& scheme, const Model& model) {
+  if (scheme.needs().lumped_mass && model.mass_matrix.nonZeros() > 0) {
+    throw InputError("integrator " + scheme.name() + " needs lumped masses; a body here has mass: consistent");
+  }
+  if (takes_known_terms_only(scheme.name())) refuse_unknown_terms(scheme.name(), model.energies);
+}
+
 World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings world_settings,
                     std::vector<Collider> colliders_in, std::vector<GraspRequest> grasps_in)
     : model(std::move(shared_model)),
@@ -75,11 +82,8 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
   integrator = make_integrator(settings.integrator, settings.solver);
   dynamics.mass = &model->mass;
   if (model->mass_matrix.nonZeros() > 0) dynamics.mass_matrix = &model->mass_matrix;
-  if (integrator->needs().lumped_mass && dynamics.mass_matrix != nullptr) {
-    throw InputError("integrator " + integrator->name() + " needs lumped masses; a body here has mass: consistent");
-  }
+  check_scheme(*integrator, *model);
   dynamics.grids = &model->grids;
-  if (takes_known_terms_only(settings.integrator)) refuse_unknown_terms(settings.integrator, model->energies);
   if (!model->strain_limits.empty()) limiter = std::make_unique<StrainLimiter>(*model);
   if (integrator->needs().jacobian) make_pattern();
   start();

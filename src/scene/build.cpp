@@ -225,6 +225,15 @@ SolverSettings solver_settings(const SceneSpec& spec) {
   return settings;
 }
 
+bool can_run(const Model& model, const std::string& integrator) {
+  try {
+    check_scheme(*make_integrator(integrator, {}), model);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
 /// Scheme, solver and step, as the scene says or as measurements do.
 void set_solver(const SceneSpec& spec, const Model& model, WorldSettings* settings) {
   settings->dt = spec.step.dt;
@@ -233,7 +242,9 @@ void set_solver(const SceneSpec& spec, const Model& model, WorldSettings* settin
   if (spec.step.mode == SolverMode::kManual) return;
   SolverWish wish{spec.step.error, spec.step.budget, std::nullopt};
   if (spec.step.dt_given) wish.dt = spec.step.dt;
-  const SolverChoice choice = choose_solver(features_of(spec, model), wish, read_solver_table(solver_table_file()));
+  const SolverChoice choice =
+      choose_solver(features_of(spec, model), wish, read_solver_table(solver_table_file()),
+                    [&model](const std::string& integrator) { return can_run(model, integrator); });
   const SolverConfiguration& chosen = choice.configuration;
   settings->dt = chosen.dt;
   settings->parts = choice.parts;

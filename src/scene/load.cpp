@@ -47,21 +47,23 @@ class SceneReader {
  private:
   /// A scene that names a part of the solver names all of it.
   static void choose_mode(const YamlValue& given, StepSpec* step) {
-    const YamlValue* mode = given.find("solver");
+    const YamlValue *part = nullptr, *wish = nullptr;  // the first of each
     for (const YamlValue& item : given.items) {
-      const bool wish = item.key == "accuracy" || item.key == "budget";
+      const bool wishes = item.key == "accuracy" || item.key == "budget";
       if (item.key == "solver" || item.key == "dt") continue;
-      if (wish && step->mode == SolverMode::kManual) refuse_key(item, "step." + item.key, "belongs to solver: auto");
-      if (wish) continue;
-      if (mode != nullptr && step->mode == SolverMode::kAuto) {
-        refuse_key(item, "step." + item.key, "solver: auto chooses it; leave out one of the two");
+      const YamlValue*& first = wishes ? wish : part;
+      if (first == nullptr) first = &item;
+    }
+    if (part != nullptr && step->mode == SolverMode::kAuto) {
+      if (given.find("solver") != nullptr) {
+        refuse_key(*part, "step." + part->key, "solver: auto chooses it; leave out one of the two");
       }
       step->mode = SolverMode::kManual;
     }
-    if (mode != nullptr || step->mode == SolverMode::kAuto) return;
-    for (const char* key : {"accuracy", "budget"}) {
-      const YamlValue* wish = given.find(key);
-      if (wish) refuse_key(*wish, std::string("step.") + key, "belongs to solver: auto; other keys name a solver");
+    if (wish != nullptr && step->mode == SolverMode::kManual) {
+      refuse_key(*wish, "step." + wish->key,
+                 "belongs to solver: auto; " + std::string(part != nullptr ? "step." + part->key : "manual") +
+                     " rules it out");
     }
   }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "deformable_sim/core/integrator/integrator.h"
+#include "deformable_sim/core/integrator/sheet_stage.h"
 #include "deformable_sim/scene/solver_choice.h"
 
 namespace deformable_sim {
@@ -11,6 +12,16 @@ namespace {
 constexpr double kFrame = 1.0 / 60.0;  // s
 constexpr double kLeastSteps = 1e-3;   // a scene without forces has no limit
 constexpr const char* kMixed = "mixed";
+
+/// Of the start, with nothing held.
+Dynamics dynamics_of(const Model& model) {
+  Dynamics d;
+  d.mass = &model.mass;
+  if (model.mass_matrix.nonZeros() > 0) d.mass_matrix = &model.mass_matrix;
+  for (const auto& energy : model.energies) d.energies.push_back(energy.get());
+  d.grids = &model.grids;
+  return d;
+}
 
 std::string bodies_of(const SceneSpec& spec, const Model& model) {
   const BodyKind kind = spec.bodies.front().kind;
@@ -24,18 +35,12 @@ std::string bodies_of(const SceneSpec& spec, const Model& model) {
         std::all_of(model.bodies.begin(), model.bodies.end(), [](const Body& b) { return b.first_segment >= 0; });
     return all ? "rod" : kMixed;
   }
-  int on_grids = 0;
-  for (const GridSheet& grid : model.grids) on_grids += grid.node_count();
-  const bool drag = spec.air.drag_coefficient != 0.0 && spec.air.density != 0.0;
-  return on_grids == model.point_count() && !drag ? kSheetOnGrid : "sheet";
+  return sheets_fit(dynamics_of(model)) ? kSheetOnGrid : "sheet";
 }
 
-/// Of velocity Verlet, s, at the start with nothing held.
+/// Of velocity Verlet, s, at the start.
 double stable_step_of(const Model& model) {
-  Dynamics d;
-  d.mass = &model.mass;
-  if (model.mass_matrix.nonZeros() > 0) d.mass_matrix = &model.mass_matrix;
-  for (const auto& energy : model.energies) d.energies.push_back(energy.get());
+  const Dynamics d = dynamics_of(model);
   const std::unique_ptr<Integrator> scheme = make_integrator("velocity_verlet", {});
   return stable_step(*scheme, highest_frequency(d, model.initial, Effort::kRough),
                      highest_damping_rate(d, model.initial, Effort::kRough));

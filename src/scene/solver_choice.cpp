@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 namespace deformable_sim {
 namespace {
@@ -172,13 +173,17 @@ SolverSettings settings_of(const SolverConfiguration& configuration, SolverSetti
   return settings;
 }
 
-SolverChoice choose_solver(const SceneFeatures& scene, const SolverWish& wish, const SolverTable& table) {
+SolverChoice choose_solver(const SceneFeatures& scene, const SolverWish& wish, const SolverTable& table,
+                           const std::function<bool(const std::string&)>& can_run) {
   SolverChoice choice;
   const std::vector<Neighbour> near = neighbours(scene, table);
   std::vector<Expected> all;
+  std::map<std::string, bool> runs;
   for (size_t k = 0; k < table.configurations.size(); ++k) {
     Expected expected{};
-    if (!expect(near, k, table.configurations[k], scene, &expected)) continue;
+    const std::string& integrator = table.configurations[k].integrator;
+    if (runs.count(integrator) == 0) runs[integrator] = can_run(integrator);
+    if (!runs[integrator] || !expect(near, k, table.configurations[k], scene, &expected)) continue;
     if (wish.dt) fit_step(*wish.dt, table.configurations[k], &expected);
     all.push_back(expected);
   }

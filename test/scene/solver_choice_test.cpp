@@ -215,6 +215,42 @@ TEST(SolverAuto, IsWhatAScenesGetsThatNamesNoPartOfASolver) {
   EXPECT_EQ(mode("step: {integrator: bdf2}\n"), SolverMode::kManual);
 }
 
+TEST(SolverChoice, LeavesOutWhatTheModelRefuses) {
+  const SolverTable table = two_sheets();
+  const SolverChoice choice = choose_solver(sheet(100, 10), {0.001, kNoBudget, {}}, table,
+                                            [](const std::string& name) { return name != "substepped_verlet"; });
+  EXPECT_EQ(chosen(table, choice), 1u);
+}
+
+TEST(SolverAuto, RunsScenesThatTheCheapestSolversRefuse) {
+  // Consistent masses, which explicit schemes cannot take; hinges on a grid, which no kernel of rows knows.
+  const std::vector<std::string> bodies{
+      "  - soft: {name: a, box: {size: [0.1, 0.1, 0.1], cells: [2, 2, 2]}, mass: consistent, element: tetrahedron,\n"
+      "           material: {youngs_modulus: 1.0e4}, pins: [face_x0]}\n",
+      "  - cloth: {name: a, cells: [8, 8], pins: [corner_2, corner_3], material: cotton_voile}\n"};
+  for (const std::string& body : bodies) {
+    for (const char* accuracy : {"interactive", "engineering", "reference"}) {
+      const SceneSpec spec =
+          load_scene_text("step: {accuracy: " + std::string(accuracy) + "}\nbodies:\n" + body, "scene");
+      const std::unique_ptr<World> world = build_world(spec);
+      for (int k = 0; k < 3; ++k) EXPECT_TRUE(world->step().ok) << world->settings().chosen;
+    }
+  }
+}
+
+TEST(SceneFeatures, CallASheetOneOnAGridOnlyWhereTheKernelsOfRowsKnowAllOfIt) {
+  const auto bodies = [](const std::string& keys, const std::string& more) {
+    const SceneSpec spec =
+        load_scene_text(more + "bodies:\n  - cloth: {name: a, cells: [4, 4]" + keys + "}\n", "scene");
+    return features_of(spec, *build_model(spec)).bodies;
+  };
+  EXPECT_EQ(bodies(", bending: quadratic", ""), kSheetOnGrid);
+  EXPECT_EQ(bodies(", bending: springs", ""), kSheetOnGrid);
+  EXPECT_EQ(bodies(", bending: hinges", ""), "sheet");
+  EXPECT_EQ(bodies(", bending: quadratic", "air: {drag_coefficient: 1}\n"), "sheet");
+  EXPECT_EQ(bodies(", model: membrane", ""), "sheet");
+}
+
 TEST(SolverAuto, RefusesToMixWithAPartOfASolverNamingTheLine) {
   const auto refusal = [](const std::string& step) -> std::string {
     try {
@@ -227,8 +263,9 @@ TEST(SolverAuto, RefusesToMixWithAPartOfASolverNamingTheLine) {
   EXPECT_EQ(refusal("  solver: auto\n  integrator: bdf2\n"),
             "scene:5: step.integrator: solver: auto chooses it; leave out one of the two");
   EXPECT_EQ(refusal("  accuracy: reference\n  integrator: bdf2\n"),
-            "scene:4: step.accuracy: belongs to solver: auto; other keys name a solver");
-  EXPECT_EQ(refusal("  solver: manual\n  budget: 1\n"), "scene:5: step.budget: belongs to solver: auto");
+            "scene:4: step.accuracy: belongs to solver: auto; step.integrator rules it out");
+  EXPECT_EQ(refusal("  solver: manual\n  budget: 1\n"),
+            "scene:5: step.budget: belongs to solver: auto; manual rules it out");
   EXPECT_EQ(refusal("  accuracy: good\n"),
             "scene:4: step.accuracy: must be interactive, engineering, reference or a number, 1e-05 ... 0.1");
   EXPECT_EQ(refusal("  accuracy: 0.5\n"), "scene:4: step.accuracy: 0.5 is out of range; allowed: 1e-05 ... 0.1");

@@ -36,6 +36,9 @@ struct StepOutcome {
   StepReport report;
 };
 
+/// Throws InputError naming what the scheme cannot do with the model: consistent masses, or terms it does not know.
+void check_scheme(const Integrator& scheme, const Model& model);
+
 /// Owns everything that changes. One thread at a time. The same model, commands and step count give the same bits.
 class World {
  public:

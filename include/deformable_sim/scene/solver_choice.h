@@ -1,6 +1,7 @@
 // Which scheme, solver and step a scene gets that names none: the cheapest measured one that is accurate enough.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -90,8 +91,12 @@ struct SolverChoice {
 /// are per node, those of explicit schemes per node and explicit step. A configuration that diverged in one of them is
 /// not taken.
 ///
+/// can_run: of an integrator's name; what it refuses is left out.
+///
 /// Not good at: scenes unlike all that were measured (`why` names the nearest), and chaotic ones, in which no solver
 /// keeps a percent for long.
-SolverChoice choose_solver(const SceneFeatures& scene, const SolverWish& wish, const SolverTable& table);
+SolverChoice choose_solver(
+    const SceneFeatures& scene, const SolverWish& wish, const SolverTable& table,
+    const std::function<bool(const std::string&)>& can_run = [](const std::string&) { return true; });
 
 }  // namespace deformable_sim
