@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/line_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
@@ -54,6 +55,8 @@ static inline Double4 length_ratio(double half_length, Double4 a) {
 #include "residual_kernels.inc"
 
 #include "stage_kernels.inc"
+
+#include "galerkin_kernels.inc"
 
 #include "coarse_kernels.inc"
 

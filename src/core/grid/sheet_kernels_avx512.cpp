@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/line_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
@@ -57,6 +58,8 @@ static inline Double8 length_ratio(double half_length, Double8 a) {
 #include "residual_kernels.inc"
 
 #include "stage_kernels.inc"
+
+#include "galerkin_kernels.inc"
 
 #include "coarse_kernels.inc"
 

@@ -6,6 +6,7 @@
 #include <emmintrin.h>
 #endif
 
+#include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/line_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
@@ -66,6 +67,8 @@ static inline Double2 length_ratio(double half_length, Double2 a) {
 #include "residual_kernels.inc"
 
 #include "stage_kernels.inc"
+
+#include "galerkin_kernels.inc"
 
 #include "coarse_kernels.inc"
 

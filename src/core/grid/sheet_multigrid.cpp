@@ -5,10 +5,10 @@
 namespace deformable_sim {
 namespace {
 
-constexpr int kCoarsest = 49;    // nodes at most
 constexpr int kNarrowest = 3;    // rows or columns that are not halved any more
-constexpr float kJacobi = 0.8f;  // weight of a sweep
+constexpr float kSweep = 0.65f;  // weight of a block-Jacobi sweep: below 2/3, or the cycle need not be definite
 constexpr int kMargin = SheetShape<float>::kMargin;
+constexpr int kBlock = CoarseGrid::kBlock;
 
 /// Nodes of a coarser line. An even number of nodes is one cell short of the last coarse node, which lies outside.
 int halved(int count) {
@@ -33,6 +33,48 @@ int entry_of(int row_offset, int col_offset) {
   return row_offset == 0 ? col_offset : 3 + col_offset;
 }
 
+/// Adds P^T A P of single entries of A to a coarse stencil. What would reach beyond neighbours is lumped.
+class Projection {
+ public:
+  Projection(bool halves_rows, bool halves_cols, int cols, std::array<std::vector<double>, 5>* to)
+      : halves_rows_(halves_rows), halves_cols_(halves_cols), cols_(cols), to_(*to) {}
+  /// The entry between (row, col) and (row + down, col + right), and the one between those two the other way round.
+  void add(int row, int col, int down, int right, double value) {
+    const Parents r = parents(row, halves_rows_), c = parents(col, halves_cols_);
+    if (down == 0 && right == 0) return add(r, c, r, c, value);
+    const Parents r2 = parents(row + down, halves_rows_), c2 = parents(col + right, halves_cols_);
+    add(r, c, r2, c2, value);
+    add(r2, c2, r, c, value);
+  }
+
+ private:
+  void add(const Parents& r, const Parents& c, const Parents& r2, const Parents& c2, double value) {
+    for (int a = 0; a < r.count; ++a) {
+      for (int b = 0; b < c.count; ++b) {
+        for (int a2 = 0; a2 < r2.count; ++a2) {
+          for (int b2 = 0; b2 < c2.count; ++b2) {
+            put(r.node[a], c.node[b], r2.node[a2], c2.node[b2],
+                value * r.weight[a] * c.weight[b] * r2.weight[a2] * c2.weight[b2]);
+          }
+        }
+      }
+    }
+  }
+  void put(int row, int col, int row2, int col2, double value) {
+    const auto node = static_cast<size_t>(row * cols_ + col);
+    const int down = row2 - row, right = col2 - col;
+    if (std::abs(down) > 1 || std::abs(right) > 1) {
+      to_[0][node] += value;
+    } else if (down > 0 || (down == 0 && right >= 0)) {
+      to_[static_cast<size_t>(entry_of(down, right))][node] += value;
+    }
+  }
+
+  bool halves_rows_, halves_cols_;
+  int cols_;
+  std::array<std::vector<double>, 5>& to_;
+};
+
 }  // namespace
 
 void SheetMultigrid::Stencil::resize(int row_count, int col_count) {
@@ -42,123 +84,105 @@ void SheetMultigrid::Stencil::resize(int row_count, int col_count) {
 }
 
 SheetMultigrid::SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free)
-    : kernels_(stage_kernels(simd_level())), rows_(sheet.rows), cols_(sheet.cols) {
-  stride_ = kMargin + (cols_ + kMargin - 1) / kMargin * kMargin;
+    : kernels_(coarse_kernels(simd_level())), rows_(sheet.rows), cols_(sheet.cols) {
+  const int whole = (cols_ + kMargin - 1) / kMargin * kMargin;
+  stride_ = kMargin + whole;
   fine_free_ = RowArray<float>(rows_, stride_);
   row_ = XyzArray<float>(1, 2 * stride_);
+  line_ = whole + 4 * kMargin;
+  space_ = RowArray<float>(1, CoarseKernels::kSpace * line_);
   for (int k = 0; k < rows_ * cols_; ++k) {
     fine_free_.data()[k / cols_ * stride_ + k % cols_] = free[static_cast<size_t>(k)] != 0 ? 1.0f : 0.0f;
   }
-  Stencil masses;
-  masses.resize(rows_, cols_);
-  masses.entry[Stencil::kHere] = mass;
-  coarsen(masses, laplacian_of(sheet), free);
+  coarsen_finest(sheet, mass, free);
   for (Level& level : levels_) grids_.push_back(level.grid());
-  if (levels_.empty()) return;
+  find_shore(free);
   const Level& last = levels_.back();
-  size_ = last.rows * last.cols;
+  size_ = 3 * last.rows * last.cols;
   padded_ = (size_ + kMargin - 1) / kMargin * kMargin;
-  for (auto& inverse : inverse_) inverse.assign(static_cast<size_t>(size_ * padded_ + kMargin), 0.0f);
+  inverse_.assign(static_cast<size_t>(size_ * padded_ + kMargin), 0.0f);
   dense_r_.assign(static_cast<size_t>(padded_), 0.0f);
   dense_z_ = dense_r_;
   matrix_.resize(size_, size_);
   dense_inverse_.resize(size_, size_);
 }
 
-SheetMultigrid::Stencil SheetMultigrid::laplacian_of(const GridSheet& sheet) {
-  Stencil stencil;
-  stencil.resize(sheet.rows, sheet.cols);
-  const auto add = [&](int a, int entry, int b, double k) {
-    stencil.entry[Stencil::kHere][static_cast<size_t>(a)] += k;
-    stencil.entry[Stencil::kHere][static_cast<size_t>(b)] += k;
-    stencil.entry[static_cast<size_t>(entry)][static_cast<size_t>(a)] -= k;
-  };
-  // A spring over two cells counts as two over one: 4 k for the same strain, shared by the two.
-  const auto line = [](const GridSprings& one, const GridSprings& two, int along, int across) {
-    double k = one.empty() ? 0.0 : one.along[static_cast<size_t>(along)] * one.across[static_cast<size_t>(across)];
-    for (int first : {along - 1, along}) {
-      if (two.empty() || first < 0 || first >= static_cast<int>(two.along.size())) continue;
-      k += 2.0 * two.along[static_cast<size_t>(first)] * two.across[static_cast<size_t>(across)];
+/// Held nodes whose springs pull at free ones.
+void SheetMultigrid::find_shore(const std::vector<char>& free) {
+  for (int node = 0; node < rows_ * cols_; ++node) {
+    if (free[static_cast<size_t>(node)] != 0) continue;
+    const int row = node / cols_, col = node % cols_;
+    bool near = false;
+    for (int r = std::max(0, row - 2); r <= std::min(rows_ - 1, row + 2); ++r) {
+      for (int c = std::max(0, col - 2); c <= std::min(cols_ - 1, col + 2); ++c) {
+        near = near || free[static_cast<size_t>(r * cols_ + c)] != 0;
+      }
     }
-    return k;
-  };
-  for (int row = 0; row < sheet.rows; ++row) {
-    for (int col = 0; col < sheet.cols; ++col) {
-      const int a = row * sheet.cols + col;
-      const bool right = col + 1 < sheet.cols, down = row + 1 < sheet.rows;
-      if (right) add(a, Stencil::kEast, a + 1, line(sheet.warp, sheet.warp_bend, col, row));
-      if (down) add(a, Stencil::kSouth, a + sheet.cols, line(sheet.weft, sheet.weft_bend, row, col));
-      if (right && down) add(a, Stencil::kSouthEast, a + sheet.cols + 1, sheet.shear);
-      if (col > 0 && down) add(a, Stencil::kSouthWest, a + sheet.cols - 1, sheet.shear);
-    }
+    if (near) shore_.push_back(node);
   }
-  return stencil;
 }
 
-/// Makes the level below, and those below that.
-void SheetMultigrid::coarsen(const Stencil& mass, const Stencil& laplacian, const std::vector<char>& free) {
+SheetMultigrid::Level SheetMultigrid::below(int rows, int cols) {
   Level level;
-  level.halves_rows = mass.rows > kNarrowest;
-  level.halves_cols = mass.cols > kNarrowest;
-  level.rows = level.halves_rows ? halved(mass.rows) : mass.rows;
-  level.cols = level.halves_cols ? halved(mass.cols) : mass.cols;
+  level.halves_rows = rows > kNarrowest;
+  level.halves_cols = cols > kNarrowest;
+  level.rows = level.halves_rows ? halved(rows) : rows;
+  level.cols = level.halves_cols ? halved(cols) : cols;
   level.stride = kMargin + (level.cols + kMargin - 1) / kMargin * kMargin;
-  project(mass, free, level, &level.mass);
-  project(laplacian, free, level, &level.laplacian);
-  for (auto& entry : level.entry) entry = RowArray<float>(level.rows, level.stride);
-  level.free = RowArray<float>(level.rows, level.stride);
-  std::vector<char> here(static_cast<size_t>(level.rows * level.cols), 0);
-  for (size_t k = 0; k < here.size(); ++k) {
-    here[k] = level.mass.entry[Stencil::kHere][k] > 0.0 ? 1 : 0;
-    const int node = static_cast<int>(k);
-    level.free.data()[node / level.cols * level.stride + node % level.cols] = here[k] != 0 ? 1.0f : 0.0f;
+  level.links = RowArray<float>(level.rows, CoarseGrid::kLinks * kBlock * level.stride);
+  for (auto* blocks : {&level.ground, &level.inverse, &level.extra}) {
+    *blocks = RowArray<float>(level.rows, kBlock * level.stride);
   }
-  for (auto* rows : {&level.diagonal, &level.relaxation, &level.extra, &level.r, &level.z, &level.y}) {
-    *rows = XyzArray<float>(level.rows, level.stride);
+  for (auto* numbers : {&level.free, &level.scalar_sum}) *numbers = RowArray<float>(level.rows, level.stride);
+  for (auto& numbers : level.scalar) numbers = RowArray<float>(level.rows, level.stride);
+  level.passed = RowArray<float>(1, SheetScratch<float>::kPassed * level.stride);
+  for (auto* rows_of : {&level.r, &level.z, &level.y}) *rows_of = XyzArray<float>(level.rows, level.stride);
+  level.mass.resize(level.rows, level.cols);
+  level.bending.resize(level.rows, level.cols);
+  return level;
+}
+
+void SheetMultigrid::coarsen_finest(const GridSheet& sheet, const std::vector<double>& mass,
+                                    const std::vector<char>& free) {
+  Level level = below(rows_, cols_);
+  Projection masses(level.halves_rows, level.halves_cols, level.cols, &level.mass.entry);
+  Projection bends(level.halves_rows, level.halves_cols, level.cols, &level.bending.entry);
+  for (int node = 0; node < rows_ * cols_; ++node) {
+    if (free[static_cast<size_t>(node)] == 0) continue;
+    const int row = node / cols_, col = node % cols_;
+    masses.add(row, col, 0, 0, mass[static_cast<size_t>(node)]);
+    if (sheet.bending.empty()) continue;
+    const auto& kind = sheet.bending.kind[static_cast<size_t>(sheet.bending.kind_of_row[static_cast<size_t>(row)])];
+    for (size_t k = kStencilSize / 2; k < kStencilSize; ++k) {
+      const double value = kind[k][static_cast<size_t>(col)];
+      const int other = node + kStencil[k][0] * cols_ + kStencil[k][1];
+      if (value == 0.0 || free[static_cast<size_t>(other)] == 0) continue;
+      bends.add(row, col, kStencil[k][0], kStencil[k][1], value);
+    }
+  }
+  add(std::move(level));
+}
+
+void SheetMultigrid::add(Level level) {
+  for (int node = 0; node < level.rows * level.cols; ++node) {
+    const bool here = level.mass.entry[Stencil::kHere][static_cast<size_t>(node)] > 0.0;
+    level.free.data()[node / level.cols * level.stride + node % level.cols] = here ? 1.0f : 0.0f;
   }
   levels_.push_back(std::move(level));
-  const size_t made = levels_.size() - 1;
-  if (levels_[made].rows * levels_[made].cols <= kCoarsest) return;
-  if (!levels_[made].halves_rows && !levels_[made].halves_cols) return;
-  const Stencil coarse_mass = levels_[made].mass, coarse_laplacian = levels_[made].laplacian;
-  coarsen(coarse_mass, coarse_laplacian, here);
-}
-
-/// coarse = P^T fine P over the free nodes.
-void SheetMultigrid::project(const Stencil& fine, const std::vector<char>& free, const Level& level, Stencil* coarse) {
-  coarse->resize(level.rows, level.cols);
-  const auto add = [&](const Parents& r, const Parents& c, const Parents& r2, const Parents& c2, double value) {
-    for (int a = 0; a < r.count; ++a) {
-      for (int b = 0; b < c.count; ++b) {
-        for (int a2 = 0; a2 < r2.count; ++a2) {
-          for (int b2 = 0; b2 < c2.count; ++b2) {
-            const int down = r2.node[a2] - r.node[a], right = c2.node[b2] - c.node[b];
-            if (down < 0 || (down == 0 && right < 0)) continue;
-            coarse->entry[static_cast<size_t>(entry_of(down, right))]
-                         [static_cast<size_t>(r.node[a] * coarse->cols + c.node[b])] +=
-                value * r.weight[a] * c.weight[b] * r2.weight[a2] * c2.weight[b2];
-          }
-        }
-      }
-    }
-  };
-  for (int row = 0; row < fine.rows; ++row) {
-    const Parents r = parents(row, level.halves_rows);
-    for (int col = 0; col < fine.cols; ++col) {
-      const int node = row * fine.cols + col;
-      if (free[static_cast<size_t>(node)] == 0) continue;
-      const Parents c = parents(col, level.halves_cols);
+  const Level& made = levels_.back();
+  if (made.rows <= kNarrowest && made.cols <= kNarrowest) return;
+  Level next = below(made.rows, made.cols);
+  for (const auto& [from, to] : {std::pair(&made.mass, &next.mass), std::pair(&made.bending, &next.bending)}) {
+    Projection projection(next.halves_rows, next.halves_cols, next.cols, &to->entry);
+    for (int node = 0; node < made.rows * made.cols; ++node) {
       for (size_t e = 0; e < kNeighbours.size(); ++e) {
-        const double value = fine.entry[e][static_cast<size_t>(node)];
-        const int other = node + kNeighbours[e][0] * fine.cols + kNeighbours[e][1];
-        if (value == 0.0 || free[static_cast<size_t>(other)] == 0) continue;
-        const Parents r2 = parents(row + kNeighbours[e][0], level.halves_rows);
-        const Parents c2 = parents(col + kNeighbours[e][1], level.halves_cols);
-        add(r, c, r2, c2, value);
-        if (e > 0) add(r2, c2, r, c, value);
+        const double value = from->entry[e][static_cast<size_t>(node)];
+        if (value == 0.0) continue;
+        projection.add(node / made.cols, node % made.cols, kNeighbours[e][0], kNeighbours[e][1], value);
       }
     }
   }
+  add(std::move(next));
 }
 
 CoarseGrid SheetMultigrid::Level::grid() {
@@ -167,92 +191,162 @@ CoarseGrid SheetMultigrid::Level::grid() {
           stride,
           halves_rows,
           halves_cols,
-          entry[Stencil::kEast].data(),
-          entry[Stencil::kSouth].data(),
-          entry[Stencil::kSouthEast].data(),
-          entry[Stencil::kSouthWest].data(),
-          diagonal.data(),
-          relaxation.data(),
-          free.data()};
+          free.data(),
+          links.data(),
+          ground.data(),
+          inverse.data(),
+          {scalar[0].data(), scalar[1].data(), scalar[2].data(), scalar[3].data()},
+          scalar_sum.data(),
+          nullptr,
+          passed.data()};
 }
 
-void SheetMultigrid::tune(double inertia, double stiffness) {
-  if (inertia == inertia_ && stiffness == stiffness_) return;
+void SheetMultigrid::tune(double inertia, double bending) {
+  if (inertia == inertia_ && bending == bending_) return;
   inertia_ = inertia;
-  stiffness_ = stiffness;
+  bending_ = bending;
+  // In the order of links.
+  constexpr std::array<size_t, CoarseGrid::kLinks> kEntryOf{Stencil::kEast, Stencil::kSouth, Stencil::kSouthEast,
+                                                            Stencil::kSouthWest};
   for (Level& level : levels_) {
-    for (size_t e = 0; e < level.entry.size(); ++e) {
-      float* to = level.entry[e].data();
-      const auto &mass = level.mass.entry[e], &laplacian = level.laplacian.entry[e];
-      for (int row = 0, k = 0; row < level.rows; ++row) {
-        for (int col = 0; col < level.cols; ++col, ++k) {
-          const auto i = static_cast<size_t>(k);
-          to[row * level.stride + col] = static_cast<float>(inertia * mass[i] + stiffness * laplacian[i]);
-        }
+    level.scalar_sum.clear();
+    float* sum = level.scalar_sum.data();
+    const auto place = [&](int node) { return node / level.cols * level.stride + node % level.cols; };
+    const auto value = [&](size_t e, int node) {
+      const auto i = static_cast<size_t>(node);
+      return static_cast<float>(inertia * level.mass.entry[e][i] + bending * level.bending.entry[e][i]);
+    };
+    for (int node = 0; node < level.rows * level.cols; ++node) {
+      sum[place(node)] += value(Stencil::kHere, node);
+      for (size_t k = 0; k < kEntryOf.size(); ++k) {
+        const float s = value(kEntryOf[k], node);
+        level.scalar[k].data()[place(node)] = s;
+        if (s == 0.0f) continue;
+        sum[place(node)] += s;
+        sum[place(node + kNeighbours[kEntryOf[k]][0] * level.cols + kNeighbours[kEntryOf[k]][1])] += s;
       }
     }
   }
-  refresh();
 }
 
-void SheetMultigrid::set_extra(Xyz<float> extra) {
-  if (extra.x == nullptr && !has_extra_) return;
-  has_extra_ = extra.x != nullptr;
-  for (size_t k = 0; k < levels_.size() && has_extra_; ++k) {
-    const std::ptrdiff_t stride = k == 0 ? stride_ : levels_[k - 1].stride;
-    const Xyz<float> above = k == 0 ? extra : levels_[k - 1].extra.data();
-    kernels_.restrict_to(grids_[k], stride, free_above(k), above, levels_[k].extra.data(), row_.data());
+void SheetMultigrid::refresh(const SheetShape<float>& shape, const SheetMatrix& matrix,
+                             const std::vector<Extra>& extra) {
+  kernels_.coarsen_sheet(shape, matrix, grids_[0], space_.data(), line_);
+  for (size_t k = 1; k < levels_.size(); ++k) {
+    kernels_.coarsen(grids_[k - 1], grids_[k], space_.data(), line_);
   }
-  refresh();
+  for (Level& level : levels_) {
+    if (has_extra_) level.extra.clear();
+  }
+  has_extra_ = !shore_.empty() || !extra.empty();
+  hold(matrix);
+  for (const Extra& e : extra) spread(e.node, e.block);
+  for (size_t k = 0; k < levels_.size(); ++k) {
+    grids_[k].extra = has_extra_ ? levels_[k].extra.data() : nullptr;
+    kernels_.finish(grids_[k]);
+  }
+  factorise();
 }
 
-/// Diagonals, and the factor of the coarsest operator.
-void SheetMultigrid::refresh() {
+/// The springs of held nodes, as ground beneath them.
+void SheetMultigrid::hold(const SheetMatrix& matrix) {
+  const int width = kernels_.width;
+  const auto add = [&](const float* springs, int springs_of_node, int row, int col, int spring,
+                       std::array<float, kBlock>* sum) {
+    const int lane = (col % width + width) % width;
+    const float* p =
+        springs + SheetMatrix::kNumbers * (springs_of_node * (row * stride_ + col - lane) + spring * width) + lane;
+    const float x = p[0], y = p[width], z = p[2 * width], t = p[3 * width];
+    const float block[kBlock] = {x * x + t, x * y, x * z, y * y + t, y * z, z * z + t};
+    for (size_t k = 0; k < kBlock; ++k) (*sum)[k] += block[k];
+  };
+  for (int node : shore_) {
+    const int row = node / cols_, col = node % cols_;
+    std::array<float, kBlock> sum{};
+    const auto one = [&](int r, int c, int spring) { add(matrix.springs, SheetMatrix::kSprings, r, c, spring, &sum); };
+    for (int spring = 0; spring < SheetMatrix::kSprings; ++spring) one(row, col, spring);
+    one(row, col - 1, 0);
+    one(row - 1, col, 1);
+    one(row - 1, col - 1, 2);
+    one(row - 1, col + 1, 3);
+    if (matrix.long_springs != nullptr) {
+      const auto two = [&](int r, int c, int spring) {
+        add(matrix.long_springs, SheetMatrix::kLongSprings, r, c, spring, &sum);
+      };
+      for (int spring = 0; spring < SheetMatrix::kLongSprings; ++spring) two(row, col, spring);
+      two(row, col - 2, 0);
+      two(row - 2, col, 1);
+    }
+    spread(node, sum);
+  }
+}
+
+/// To the diagonals of all grids: P^T X P, lumped.
+void SheetMultigrid::spread(int node, const std::array<float, kBlock>& block) {
+  const int width = kernels_.width;
+  double row = node / cols_, col = node % cols_;
   for (Level& level : levels_) {
-    const float* here = level.entry[Stencil::kHere].data();
-    const float* free = level.free.data();
-    const Xyz<float> extra = level.extra.data(), diagonal = level.diagonal.data(), relaxation = level.relaxation.data();
-    const float* const more[3] = {extra.x, extra.y, extra.z};
-    float* const whole[3] = {diagonal.x, diagonal.y, diagonal.z};
-    float* const relax[3] = {relaxation.x, relaxation.y, relaxation.z};
-    for (int d = 0; d < 3; ++d) {
-      for (int row = 0; row < level.rows; ++row) {
-        for (std::ptrdiff_t at = row * level.stride; at < row * level.stride + level.cols; ++at) {
-          const float sum = here[at] + (has_extra_ ? more[d][at] : 0.0f);
-          whole[d][at] = free[at] != 0.0f ? sum : 1.0f;
-          relax[d][at] = free[at] != 0.0f ? kJacobi / sum : 0.0f;
-        }
+    if (level.halves_rows) row *= 0.5;
+    if (level.halves_cols) col *= 0.5;
+    const int r = static_cast<int>(row), c = static_cast<int>(col);
+    for (int down = 0; down < 2; ++down) {
+      for (int right = 0; right < 2; ++right) {
+        const double weight = (down == 0 ? 1.0 - (row - r) : row - r) * (right == 0 ? 1.0 - (col - c) : col - c);
+        if (weight == 0.0) continue;
+        const int lane = (c + right) % width;
+        float* to = level.extra.data() + kBlock * ((r + down) * level.stride + c + right - lane) + lane;
+        for (size_t k = 0; k < kBlock; ++k) to[static_cast<int>(k) * width] += static_cast<float>(weight) * block[k];
       }
     }
   }
-  if (!levels_.empty()) factorise();
 }
 
+/// Of the coarsest operator; links as they are, so that what they say of a common motion is nothing but rounding.
 void SheetMultigrid::factorise() {
   Level& level = levels_.back();
-  const Xyz<float> diagonal = level.diagonal.data();
-  const float* const diagonals[3] = {diagonal.x, diagonal.y, diagonal.z};
-  for (int d = 0; d < (has_extra_ ? 3 : 1); ++d) {
-    matrix_.setZero();
-    for (int k = 0; k < size_; ++k) {
-      const int row = k / level.cols, col = k % level.cols;
-      const std::ptrdiff_t at = row * level.stride + col;
-      matrix_(k, k) = static_cast<double>(diagonals[d][at]);
-      for (size_t e = 1; e < kNeighbours.size(); ++e) {
-        const int other_row = row + kNeighbours[e][0], other_col = col + kNeighbours[e][1];
-        if (other_row >= level.rows || other_col < 0 || other_col >= level.cols) continue;
-        const int other = other_row * level.cols + other_col;
-        matrix_(other, k) = matrix_(k, other) = static_cast<double>(level.entry[e].data()[at]);
-      }
+  const int width = kernels_.width, nodes = level.rows * level.cols;
+  const auto block = [&](const float* blocks, int of_node, int node, int which) {
+    const int col = node % level.cols, lane = col % width;
+    const float* p =
+        blocks + kBlock * (of_node * (node / level.cols * level.stride + col - lane) + which * width) + lane;
+    Mat3 m;
+    m << p[0], p[width], p[2 * width], p[width], p[3 * width], p[4 * width], p[2 * width], p[4 * width], p[5 * width];
+    return m;
+  };
+  const auto is_free = [&](int node) {
+    return level.free.data()[node / level.cols * level.stride + node % level.cols] != 0.0f;
+  };
+  constexpr std::array<std::array<int, 2>, CoarseGrid::kLinks> kTo{{{0, 1}, {1, 0}, {1, 1}, {1, -1}}};
+  matrix_.setZero();
+  for (int a = 0; a < nodes; ++a) {
+    if (!is_free(a)) {
+      matrix_.block<3, 3>(3 * a, 3 * a).setIdentity();
+      continue;
     }
-    factor_.compute(matrix_);
-    dense_inverse_.setIdentity();
-    factor_.solveInPlace(dense_inverse_);
-    for (int row = 0; row < size_; ++row) {
-      for (int col = 0; col < size_; ++col) {
-        inverse_[static_cast<size_t>(d)][static_cast<size_t>(row * padded_ + col)] =
-            static_cast<float>(dense_inverse_(row, col));
-      }
+    matrix_.block<3, 3>(3 * a, 3 * a) += block(level.ground.data(), 1, a, 0);
+  }
+  for (int a = 0; a < nodes; ++a) {
+    for (int k = 0; k < CoarseGrid::kLinks; ++k) {
+      const int row = a / level.cols + kTo[static_cast<size_t>(k)][0],
+                col = a % level.cols + kTo[static_cast<size_t>(k)][1];
+      if (row >= level.rows || col < 0 || col >= level.cols) continue;
+      const int b = row * level.cols + col;
+      const Mat3 link = block(level.links.data(), CoarseGrid::kLinks, a, k);
+      if (is_free(a)) matrix_.block<3, 3>(3 * a, 3 * a) += link;
+      if (is_free(b)) matrix_.block<3, 3>(3 * b, 3 * b) += link;
+      if (!is_free(a) || !is_free(b)) continue;
+      matrix_.block<3, 3>(3 * a, 3 * b) -= link;
+      matrix_.block<3, 3>(3 * b, 3 * a) -= link;
+    }
+  }
+  factor_.compute(matrix_);
+  dense_inverse_.setIdentity();
+  factor_.solveInPlace(dense_inverse_);
+  // Springs so stiff that inertia is lost in their rounding: without the coarsest grid.
+  if (factor_.info() != Eigen::Success) dense_inverse_.setZero();
+  for (int row = 0; row < size_; ++row) {
+    for (int col = 0; col < size_; ++col) {
+      inverse_[static_cast<size_t>(row * padded_ + col)] = static_cast<float>(dense_inverse_(row, col));
     }
   }
 }
@@ -261,15 +355,11 @@ void SheetMultigrid::solve_coarsest(Level* level) {
   const Xyz<float> r = level->r.data(), z = level->z.data();
   const float* const from[3] = {r.x, r.y, r.z};
   float* const to[3] = {z.x, z.y, z.z};
-  for (size_t d = 0; d < 3; ++d) {
-    for (int row = 0; row < level->rows; ++row) {
-      std::copy_n(from[d] + row * level->stride, level->cols, dense_r_.begin() + row * level->cols);
-    }
-    kernels_.coarsest(size_, padded_, inverse_[has_extra_ ? d : 0].data(), dense_r_.data(), dense_z_.data());
-    for (int row = 0; row < level->rows; ++row) {
-      std::copy_n(dense_z_.begin() + row * level->cols, level->cols, to[d] + row * level->stride);
-    }
-  }
+  const int nodes = level->rows * level->cols;
+  const auto place = [&](int node) { return node / level->cols * level->stride + node % level->cols; };
+  for (int k = 0; k < size_; ++k) dense_r_[static_cast<size_t>(k)] = from[k % 3][place(k / 3)];
+  kernels_.coarsest(size_, padded_, inverse_.data(), dense_r_.data(), dense_z_.data());
+  for (int k = 0; k < 3 * nodes; ++k) to[k % 3][place(k / 3)] = dense_z_[static_cast<size_t>(k)];
 }
 
 void SheetMultigrid::correct(Xyz<float> r, Xyz<float> z) {
@@ -280,15 +370,15 @@ void SheetMultigrid::correct(Xyz<float> r, Xyz<float> z) {
     const Xyz<float> above = k == 0 ? r : levels_[k - 1].y.data();
     kernels_.restrict_to(grids_[k], stride, free_above(k), above, level.r.data(), row_.data());
     if (k == last) break;
-    kernels_.coarse_relax_first(grids_[k], level.r.data(), level.z.data());
-    kernels_.coarse_residue(grids_[k], level.z.data(), level.r.data(), level.y.data());
+    kernels_.relax_first(grids_[k], kSweep, level.r.data(), level.z.data());
+    kernels_.residue(grids_[k], level.z.data(), level.r.data(), level.y.data());
   }
   solve_coarsest(&levels_[last]);
   for (size_t k = last; k > 0; --k) {
     Level &level = levels_[k], &finer = levels_[k - 1];
     kernels_.prolong(grids_[k], finer.rows, finer.cols, finer.stride, finer.free.data(), level.z.data(),
                      finer.z.data());
-    kernels_.coarse_relax(grids_[k - 1], finer.z.data(), finer.r.data(), finer.y.data());
+    kernels_.relax(grids_[k - 1], kSweep, finer.z.data(), finer.r.data(), finer.y.data());
     std::swap(finer.z, finer.y);
   }
   kernels_.prolong(grids_[0], rows_, cols_, stride_, fine_free_.data(), levels_[0].z.data(), z);

@@ -8,6 +8,11 @@ namespace {
 constexpr float kSweep =
     0.65f;  // weight of a block-Jacobi sweep: below 2/3, or the preconditioner need not be definite
 
+std::array<float, 6> six_of(const Mat3& m) {
+  const auto entry = [&](int row, int col) { return static_cast<float>(m(row, col)); };
+  return {entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)};
+}
+
 }  // namespace
 
 SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free)
@@ -67,59 +72,50 @@ void SheetSystem::set_step(double tau, double mass_rate, Jacobian kind) {
   matrix_.damping = static_cast<float>(damping_time_ / tau);
   matrix_.bending_factor = static_cast<float>(1.0 + bending_damping_ / tau);
   matrix_.transverse = kind == Jacobian::kAxial ? 0.0f : 1.0f;
-  multigrid_.tune(mass_rate, 1.0 + damping_time_ / tau);
+  multigrid_.tune(mass_rate, 1.0 + bending_damping_ / tau);
 }
 
 void SheetSystem::linearise(Xyz<double> x, const SheetShape<double>& shape) {
   kernels_.narrow(shape, x, x_.data());
   kernels_.linearise(rows_.shape(), x_.data(), matrix_);
-  if (!couplings_.empty() || !patched_.empty()) patch_diagonal();
+  if (!couplings_.empty() || !extra_.empty()) patch_diagonal();
+  multigrid_.refresh(rows_.shape(), matrix_, extra_);
 }
 
 /// Diagonal blocks of nodes that couplings name.
 void SheetSystem::patch_diagonal() {
-  if (extra_.empty()) {
-    extra_ = rows_.make_xyz();
-    patch_of_.assign(static_cast<size_t>(rows_.shape().rows * rows_.shape().stride), -1);
-  }
-  const Xyz<float> extra = extra_.data();
-  for (std::ptrdiff_t at : patched_) {
-    extra.x[at] = extra.y[at] = extra.z[at] = 0.0f;
-    patch_of_[static_cast<size_t>(at)] = -1;
-  }
-  patched_.clear();
+  patch_of_.resize(static_cast<size_t>(rows_.node_count()), -1);
+  for (const SheetMultigrid::Extra& e : extra_) patch_of_[static_cast<size_t>(e.node)] = -1;
+  extra_.clear();
   blocks_.clear();
   for (const SheetCoupling& c : couplings_) {
     double common = 0.0;
     for (int k = 0; k < c.count; ++k) common += c.weight[static_cast<size_t>(k)];
     for (int k = 0; k < c.count; ++k) {
-      const std::ptrdiff_t at = c.place[static_cast<size_t>(k)];
-      int& patch = patch_of_[static_cast<size_t>(at)];
+      const int node = rows_.node(c.place[static_cast<size_t>(k)]);
+      int& patch = patch_of_[static_cast<size_t>(node)];
       if (patch < 0) {
-        patch = static_cast<int>(patched_.size());
-        patched_.push_back(at);
+        patch = static_cast<int>(extra_.size());
+        extra_.push_back({node, {}});
         blocks_.push_back(Mat3::Zero());
       }
       const double w = c.weight[static_cast<size_t>(k)];
       blocks_[static_cast<size_t>(patch)] += w * w * c.matrix;
-      extra.x[at] += static_cast<float>(w * common * c.matrix(0, 0));
-      extra.y[at] += static_cast<float>(w * common * c.matrix(1, 1));
-      extra.z[at] += static_cast<float>(w * common * c.matrix(2, 2));
+      const auto together = six_of(w * common * c.matrix);
+      for (size_t e = 0; e < together.size(); ++e) extra_[static_cast<size_t>(patch)].block[e] += together[e];
     }
   }
-  for (size_t k = 0; k < patched_.size(); ++k) {
-    const std::ptrdiff_t at = patched_[k];
+  for (size_t k = 0; k < extra_.size(); ++k) {
+    const std::ptrdiff_t at = rows_.place(extra_[k].node);
     if (free_.data()[at] == 0.0f) continue;
     Mat3 inverse;
     const auto entry = [&](size_t e) { return static_cast<double>(inverse_[e].data()[at]); };
     inverse << entry(0), entry(1), entry(2), entry(1), entry(3), entry(4), entry(2), entry(4), entry(5);
     // (D + E)^-1 = (1 + D^-1 E)^-1 D^-1.
     const Mat3 whole = (Mat3::Identity() + inverse * blocks_[k]).inverse() * inverse;
-    const Mat3 both = 0.5 * (whole + whole.transpose());
-    const std::array<double, 6> entries{both(0, 0), both(0, 1), both(0, 2), both(1, 1), both(1, 2), both(2, 2)};
-    for (size_t e = 0; e < entries.size(); ++e) inverse_[e].data()[at] = static_cast<float>(entries[e]);
+    const auto both = six_of(0.5 * (whole + whole.transpose()));
+    for (size_t e = 0; e < both.size(); ++e) inverse_[e].data()[at] = both[e];
   }
-  multigrid_.set_extra(patched_.empty() ? Xyz<float>{nullptr, nullptr, nullptr} : extra);
 }
 
 /// y += sign W^T H W p; work += p^T W^T H W p.

@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/line_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
@@ -14,6 +15,7 @@ namespace deformable_sim {
   extern const MotionKernels<float> motion_kernels_f;  \
   extern const MotionKernels<double> motion_kernels_d; \
   extern const StageKernels stage_kernels;             \
+  extern const CoarseKernels coarse_kernels;           \
   extern const LineKernels<float> line_kernels_f;      \
   extern const LineKernels<double> line_kernels_d;     \
   }
@@ -75,6 +77,10 @@ const StageKernels& stage_kernels(SimdLevel level) {
   if (level == SimdLevel::kAvx512) return simd_avx512::stage_kernels;
   return level == SimdLevel::kAvx2 ? simd_avx2::stage_kernels : simd_sse2::stage_kernels;
 }
+const CoarseKernels& coarse_kernels(SimdLevel level) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::coarse_kernels;
+  return level == SimdLevel::kAvx2 ? simd_avx2::coarse_kernels : simd_sse2::coarse_kernels;
+}
 const LineKernels<float>& line_kernels(SimdLevel level, float) {
   if (level == SimdLevel::kAvx512) return simd_avx512::line_kernels_f;
   return level == SimdLevel::kAvx2 ? simd_avx2::line_kernels_f : simd_sse2::line_kernels_f;
@@ -95,6 +101,9 @@ const MotionKernels<double>& motion_kernels(SimdLevel, double) {
 }
 const MotionKernels<float>& motion_kernels(SimdLevel, float) {
   return simd_sse2::motion_kernels_f;
+}
+const CoarseKernels& coarse_kernels(SimdLevel) {
+  return simd_sse2::coarse_kernels;
 }
 const StageKernels& stage_kernels(SimdLevel) {
   return simd_sse2::stage_kernels;

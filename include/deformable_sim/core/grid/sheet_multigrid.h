@@ -6,31 +6,39 @@
 
 #include <Eigen/Cholesky>
 
+#include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/grid_sheet.h"
 #include "deformable_sim/core/grid/sheet_rows.h"
-#include "deformable_sim/core/grid/stage_kernels.h"
 #include "deformable_sim/core/types.h"
 
 namespace deformable_sim {
 
-/// One V-cycle on the grids below the finest, for the scalar operator
-///
-///   S = inertia M + stiffness L + extra,   L the graph Laplacian of the springs' stiffnesses,
-///
-/// the same for x, y and z but for `extra`. Interpolation is bilinear, and nothing at held nodes; operators are P^T S
-/// P, `extra` lumped; one damped Jacobi sweep before and after; a dense inverse on the coarsest grid [Briggs 2000]. Any
+/// One V-cycle on the grids below the finest. Interpolation P is bilinear, and nothing at held nodes; the operator of
+/// each grid is P^T A P of the one above it: springs with their directions and tensions as 3 x 3 blocks, inertia and
+/// bending as scalars. One block-Jacobi sweep before and after; a dense inverse on the coarsest grid [Briggs 2000]. Any
 /// number of rows and columns.
 ///
-/// Not good at: bending stiffness, of which the coarser grids know nothing; anisotropy that the sweeps do not see.
+/// Springs at held nodes are kept in P^T A P as if those were free, and resist there as ground does: no grid has to
+/// know which of its nodes are held in part. Bending reaches over two cells, its P^T A P over two coarse ones: what
+/// does so is lumped. A sheet on its grid alone would be taken for isotropic, far too stiff out of its plane; with
+/// these blocks conjugate gradients take a third of the iterations.
+///
+/// Not good at: wrinkles a few cells long, on which bilinear coarse motions would stretch the cloth.
 class SheetMultigrid {
  public:
+  /// A block of the finest grid's diagonal that is neither spring nor inertia nor bending, N/m: xx xy xz yy yz zz.
+  struct Extra {
+    int node;  // of the sheet
+    std::array<float, CoarseGrid::kBlock> block;
+  };
+
   /// mass: kg, of the sheet's nodes; free: by node, 0 at held ones.
   SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free);
 
-  /// inertia: 1/s^2; stiffness: a factor on the springs' own.
-  void tune(double inertia, double stiffness);
-  /// N/m, by fine node, laid out as the fine grid; null pointers: none.
-  void set_extra(Xyz<float> extra);
+  /// inertia: 1/s^2, times the masses; bending: a factor on the sheet's own.
+  void tune(double inertia, double bending);
+  /// The operators of all grids from the springs of the finest.
+  void refresh(const SheetShape<float>& shape, const SheetMatrix& matrix, const std::vector<Extra>& extra);
   /// z += P V(P^T r).
   void correct(Xyz<float> r, Xyz<float> z);
 
@@ -45,41 +53,42 @@ class SheetMultigrid {
   struct Level {
     int rows, cols;
     bool halves_rows, halves_cols;
-    Stencil mass, laplacian;
+    Stencil mass, bending;
     std::ptrdiff_t stride;
-    std::array<RowArray<float>, Stencil::kEntries> entry;
-    RowArray<float> free;
-    XyzArray<float> diagonal, relaxation, extra;
+    RowArray<float> links, ground, inverse, extra, free, scalar_sum, passed;
+    std::array<RowArray<float>, CoarseGrid::kLinks> scalar;
     XyzArray<float> r, z, y;
     CoarseGrid grid();
   };
 
-  static Stencil laplacian_of(const GridSheet& sheet);
-  void coarsen(const Stencil& mass, const Stencil& laplacian, const std::vector<char>& free);
-  static void project(const Stencil& fine, const std::vector<char>& free, const Level& level, Stencil* coarse);
-  void refresh();
+  void coarsen_finest(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free);
+  static Level below(int rows, int cols);
+  void add(Level level);
+  void find_shore(const std::vector<char>& free);
+  void hold(const SheetMatrix& matrix);
+  void spread(int node, const std::array<float, CoarseGrid::kBlock>& block);
   void factorise();
   void solve_coarsest(Level* level);
   const float* free_above(size_t level) const {
     return level == 0 ? fine_free_.data() : levels_[level - 1].free.data();
   }
 
-  const StageKernels& kernels_;
+  const CoarseKernels& kernels_;
   int rows_, cols_;
-  std::ptrdiff_t stride_;
-  RowArray<float> fine_free_;
+  std::ptrdiff_t stride_, line_;
+  RowArray<float> fine_free_, space_;
   XyzArray<float> row_;
   std::vector<Level> levels_;
   std::vector<CoarseGrid> grids_;
-  double inertia_ = 0.0, stiffness_ = 0.0;
+  std::vector<int> shore_;  // held nodes next to free ones
+  double inertia_ = 0.0, bending_ = 0.0;
   bool has_extra_ = false;
 
   // Coarsest.
-  int size_ = 0, padded_ = 0;
+  int size_ = 0, padded_ = 0;  // numbers: three a node
   Eigen::MatrixXd matrix_, dense_inverse_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
-  std::array<std::vector<float>, 3> inverse_;
-  std::vector<float> dense_r_, dense_z_;
+  std::vector<float> inverse_, dense_r_, dense_z_;
 };
 
 }  // namespace deformable_sim

@@ -70,6 +70,9 @@ class SheetRows {
   int node_count() const { return shape_.rows * shape_.cols; }
   /// Where a node of the sheet (counted from its first) lies in an array.
   std::ptrdiff_t place(int node) const { return node / shape_.cols * shape_.stride + node % shape_.cols; }
+  int node(std::ptrdiff_t place) const {
+    return static_cast<int>(place / shape_.stride) * shape_.cols + static_cast<int>(place % shape_.stride);
+  }
   XyzArray<Real> make_xyz() const { return {shape_.rows, shape_.stride}; }
   RowArray<Real> make_array() const { return {shape_.rows, shape_.stride}; }
 

@@ -74,10 +74,9 @@ class SheetSystem {
   RowArray<float> inertia_, free_, weight_;
   XyzArray<float> x_, r_, z_, p_, y_, step_;
   std::vector<SheetCoupling> couplings_;
-  XyzArray<float> extra_;                // what couplings add to the diagonal, for the coarser grids; made when needed
-  std::vector<std::ptrdiff_t> patched_;  // places of extra_ that are not zero
-  std::vector<Mat3> blocks_;             // of those
-  std::vector<int> patch_of_;            // by place: index in patched_, -1: none
+  std::vector<SheetMultigrid::Extra> extra_;  // what couplings add to the diagonal, for the coarser grids
+  std::vector<Mat3> blocks_;                  // and for the finest, of the same nodes
+  std::vector<int> patch_of_;                 // by node: index in extra_, -1: none
 };
 
 }  // namespace deformable_sim

@@ -59,17 +59,6 @@ struct SheetMatrix {
   float* inverse[6];            // of the diagonal blocks, m/N: xx, xy, xz, yy, yz, zz; 0 where `free` is
 };
 
-/// A coarser grid: a symmetric matrix of nine entries a node, the same for x, y and z but for the diagonal.
-struct CoarseGrid {
-  int rows, cols;
-  std::ptrdiff_t stride;
-  bool halves_rows, halves_cols;  // of the finer grid: node k lies on its node 2k, or k
-  const float *east, *south, *south_east, *south_west;
-  Xyz<float> diagonal;
-  Xyz<float> relaxation;  // omega / diagonal
-  const float* free;      // 1 by node, 0 where the finer grid has no free node
-};
-
 struct StageKernels {
   int width;  // numbers a register, single precision
   void (*start)(const SheetShape<double>&, const SheetStart&);
@@ -99,19 +88,6 @@ struct StageKernels {
   /// x += alpha p, r -= alpha y; returns sum |weight r|^2.
   double (*descend)(const SheetShape<float>&, float alpha, Xyz<float> p, Xyz<float> y, const float* weight,
                     Xyz<float> x, Xyz<float> r);
-
-  // Between grids; `free` and `stride` of the finer one.
-  void (*restrict_to)(const CoarseGrid&, std::ptrdiff_t stride, const float* free, Xyz<float> fine, Xyz<float> coarse,
-                      Xyz<float> row);
-  void (*prolong)(const CoarseGrid&, int rows, int cols, std::ptrdiff_t stride, const float* free, Xyz<float> coarse,
-                  Xyz<float> fine);
-  void (*coarse_relax_first)(const CoarseGrid&, Xyz<float> r, Xyz<float> z);
-  /// y = r - A z.
-  void (*coarse_residue)(const CoarseGrid&, Xyz<float> z, Xyz<float> r, Xyz<float> y);
-  /// y = z + omega D^-1 (r - A z).
-  void (*coarse_relax)(const CoarseGrid&, Xyz<float> z, Xyz<float> r, Xyz<float> y);
-  /// z = inverse r, `size` numbers each, rows of the symmetric matrix `stride` apart.
-  void (*coarsest)(int size, int stride, const float* inverse, const float* r, float* z);
 };
 
 const StageKernels& stage_kernels(SimdLevel level);
