@@ -103,8 +103,7 @@ SheetMultigrid::SheetMultigrid(const GridSheet& sheet, const std::vector<double>
   inverse_.assign(static_cast<size_t>(size_ * padded_ + kMargin), 0.0f);
   dense_r_.assign(static_cast<size_t>(padded_), 0.0f);
   dense_z_ = dense_r_;
-  matrix_.resize(size_, size_);
-  dense_inverse_.resize(size_, size_);
+  matrix_.assign(inverse_.size(), 0.0);
 }
 
 /// Held nodes whose springs pull at free ones.
@@ -305,50 +304,42 @@ void SheetMultigrid::spread(int node, const std::array<float, kBlock>& block) {
 void SheetMultigrid::factorise() {
   Level& level = levels_.back();
   const int width = kernels_.width, nodes = level.rows * level.cols;
-  const auto block = [&](const float* blocks, int of_node, int node, int which) {
-    const int col = node % level.cols, lane = col % width;
-    const float* p =
-        blocks + kBlock * (of_node * (node / level.cols * level.stride + col - lane) + which * width) + lane;
-    Mat3 m;
-    m << p[0], p[width], p[2 * width], p[width], p[3 * width], p[4 * width], p[2 * width], p[4 * width], p[5 * width];
-    return m;
-  };
-  const auto is_free = [&](int node) {
-    return level.free.data()[node / level.cols * level.stride + node % level.cols] != 0.0f;
-  };
-  constexpr std::array<std::array<int, 2>, CoarseGrid::kLinks> kTo{{{0, 1}, {1, 0}, {1, 1}, {1, -1}}};
-  matrix_.setZero();
-  for (int a = 0; a < nodes; ++a) {
-    if (!is_free(a)) {
-      matrix_.block<3, 3>(3 * a, 3 * a).setIdentity();
-      continue;
+  constexpr int kPlace[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  // in a block
+  const auto add = [&](int a, int b, const float* block, double sign) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        matrix_[static_cast<size_t>((3 * a + i) * padded_ + 3 * b + j)] +=
+            sign * static_cast<double>(block[kPlace[i][j] * width]);
+      }
     }
-    matrix_.block<3, 3>(3 * a, 3 * a) += block(level.ground.data(), 1, a, 0);
-  }
+  };
+  const auto is_free = [&](int row, int col) { return level.free.data()[row * level.stride + col] != 0.0f; };
+  std::fill(matrix_.begin(), matrix_.end(), 0.0);
   for (int a = 0; a < nodes; ++a) {
+    const int row = a / level.cols, col = a % level.cols, lane = col % width;
+    const std::ptrdiff_t at = row * level.stride + col - lane;
+    const bool free = is_free(row, col);
+    if (free) {
+      add(a, a, level.ground.data() + kBlock * at + lane, 1.0);
+    } else {
+      for (int i = 0; i < 3; ++i) matrix_[static_cast<size_t>((3 * a + i) * (padded_ + 1))] = 1.0;
+    }
+    constexpr int kTo[CoarseGrid::kLinks][2] = {{0, 1}, {1, 0}, {1, 1}, {1, -1}};
     for (int k = 0; k < CoarseGrid::kLinks; ++k) {
-      const int row = a / level.cols + kTo[static_cast<size_t>(k)][0],
-                col = a % level.cols + kTo[static_cast<size_t>(k)][1];
-      if (row >= level.rows || col < 0 || col >= level.cols) continue;
-      const int b = row * level.cols + col;
-      const Mat3 link = block(level.links.data(), CoarseGrid::kLinks, a, k);
-      if (is_free(a)) matrix_.block<3, 3>(3 * a, 3 * a) += link;
-      if (is_free(b)) matrix_.block<3, 3>(3 * b, 3 * b) += link;
-      if (!is_free(a) || !is_free(b)) continue;
-      matrix_.block<3, 3>(3 * a, 3 * b) -= link;
-      matrix_.block<3, 3>(3 * b, 3 * a) -= link;
+      const int row2 = row + kTo[k][0], col2 = col + kTo[k][1], b = row2 * level.cols + col2;
+      if (row2 >= level.rows || col2 < 0 || col2 >= level.cols) continue;
+      const float* link = level.links.data() + kBlock * (CoarseGrid::kLinks * at + k * width) + lane;
+      const bool other = is_free(row2, col2);
+      if (free) add(a, a, link, 1.0);
+      if (other) add(b, b, link, 1.0);
+      if (!free || !other) continue;
+      add(a, b, link, -1.0);
+      add(b, a, link, -1.0);
     }
   }
-  factor_.compute(matrix_);
-  dense_inverse_.setIdentity();
-  factor_.solveInPlace(dense_inverse_);
   // Springs so stiff that inertia is lost in their rounding: without the coarsest grid.
-  if (factor_.info() != Eigen::Success) dense_inverse_.setZero();
-  for (int row = 0; row < size_; ++row) {
-    for (int col = 0; col < size_; ++col) {
-      inverse_[static_cast<size_t>(row * padded_ + col)] = static_cast<float>(dense_inverse_(row, col));
-    }
-  }
+  if (!kernels_.invert(size_, padded_, matrix_.data())) std::fill(matrix_.begin(), matrix_.end(), 0.0);
+  for (size_t k = 0; k < matrix_.size(); ++k) inverse_[k] = static_cast<float>(matrix_[k]);
 }
 
 void SheetMultigrid::solve_coarsest(Level* level) {

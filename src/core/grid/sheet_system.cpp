@@ -148,8 +148,7 @@ double SheetSystem::multiply(Xyz<float> z, float beta, Xyz<float> p, Xyz<float> 
 double SheetSystem::precondition(Xyz<float> r) {
   const SheetShape<float>& shape = rows_.shape();
   const Xyz<float> y = y_.data(), z = z_.data();
-  kernels_.relax_first(shape, matrix_, kSweep, r, z);
-  kernels_.residue(shape, matrix_, z, r, y);
+  kernels_.relax_residue(shape, matrix_, kSweep, r, z, y);
   if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
   multigrid_.correct(y, z);
   double work;

@@ -47,6 +47,9 @@ struct CoarseKernels {
   void (*relax)(const CoarseGrid&, float omega, Xyz<float> z, Xyz<float> r, Xyz<float> y);
   /// z = inverse r, `size` numbers each, rows of the symmetric matrix `stride` apart.
   void (*coarsest)(int size, int stride, const float* inverse, const float* r, float* z);
+  /// matrix := its inverse, `size` rows `stride` apart, a multiple of kMargin. False, and rubbish, where it is not
+  /// positive definite.
+  bool (*invert)(int size, int stride, double* matrix);
 
   static constexpr int kSpace = 54;  // rows: see coarsen_sheet()
 };

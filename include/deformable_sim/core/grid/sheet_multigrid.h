@@ -4,8 +4,6 @@
 #include <array>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/grid_sheet.h"
 #include "deformable_sim/core/grid/sheet_rows.h"
@@ -86,8 +84,7 @@ class SheetMultigrid {
 
   // Coarsest.
   int size_ = 0, padded_ = 0;  // numbers: three a node
-  Eigen::MatrixXd matrix_, dense_inverse_;
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  std::vector<double> matrix_;
   std::vector<float> inverse_, dense_r_, dense_z_;
 };
 

@@ -81,8 +81,9 @@ struct StageKernels {
   /// y = z + omega D^-1 (r - A z); returns r . y.
   double (*residue_relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> z, Xyz<float> r,
                           Xyz<float> y);
-  /// z = omega D^-1 r.
-  void (*relax_first)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> r, Xyz<float> z);
+  /// z = omega D^-1 r, y = r - A z.
+  void (*relax_residue)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> r, Xyz<float> z,
+                        Xyz<float> y);
   /// y = z + omega D^-1 y; returns r . y.
   double (*relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> z, Xyz<float> r, Xyz<float> y);
   /// x += alpha p, r -= alpha y; returns sum |weight r|^2.
