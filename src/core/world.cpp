@@ -79,6 +79,8 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
       grasps(model.get(), settings.grasp_max_speed),
       colliders(settings.collider_max_speed) {
   check_settings(settings);
+  if (settings.threads != 1) workers = std::make_unique<Workers>(settings.threads);
+  if (workers && workers->threads() > 1) dynamics.workers = workers.get();
   integrator = make_integrator(settings.integrator, settings.solver);
   dynamics.mass = &model->mass;
   if (model->mass_matrix.nonZeros() > 0) dynamics.mass_matrix = &model->mass_matrix;

@@ -41,11 +41,16 @@ void SheetMultigrid::Stencil::resize(int row_count, int col_count) {
   for (auto& e : entry) e.assign(static_cast<size_t>(rows * cols), 0.0);
 }
 
-SheetMultigrid::SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free)
-    : kernels_(stage_kernels(simd_level())), rows_(sheet.rows), cols_(sheet.cols) {
+SheetMultigrid::SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free,
+                               const Workers* workers)
+    : kernels_(stage_kernels(simd_level())),
+      rows_(sheet.rows),
+      cols_(sheet.cols),
+      bands_(Bands::of(rows_, cols_)),
+      workers_(bands_.count() > 1 ? workers : nullptr) {
   stride_ = kMargin + (cols_ + kMargin - 1) / kMargin * kMargin;
   fine_free_ = RowArray<float>(rows_, stride_);
-  row_ = XyzArray<float>(1, 2 * stride_);
+  row_ = XyzArray<float>(workers_ != nullptr ? bands_.count() : 1, 2 * stride_);
   for (int k = 0; k < rows_ * cols_; ++k) {
     fine_free_.data()[k / cols_ * stride_ + k % cols_] = free[static_cast<size_t>(k)] != 0 ? 1.0f : 0.0f;
   }
@@ -199,9 +204,7 @@ void SheetMultigrid::set_extra(Xyz<float> extra) {
   if (extra.x == nullptr && !has_extra_) return;
   has_extra_ = extra.x != nullptr;
   for (size_t k = 0; k < levels_.size() && has_extra_; ++k) {
-    const std::ptrdiff_t stride = k == 0 ? stride_ : levels_[k - 1].stride;
-    const Xyz<float> above = k == 0 ? extra : levels_[k - 1].extra.data();
-    kernels_.restrict_to(grids_[k], stride, free_above(k), above, levels_[k].extra.data(), row_.data());
+    restrict_to_level(k, k == 0 ? extra : levels_[k - 1].extra.data(), levels_[k].extra.data());
   }
   refresh();
 }
@@ -272,26 +275,57 @@ void SheetMultigrid::solve_coarsest(Level* level) {
   }
 }
 
+BandLoop SheetMultigrid::bands_of(size_t level) const {
+  const CoarseGrid& grid = grids_[level];
+  return {Bands::of(grid.rows, grid.cols), workers_};
+}
+
+/// The finest grid's share of the work is the larger one: as many bands as it has.
+void SheetMultigrid::restrict_to_level(size_t level, Xyz<float> fine, Xyz<float> coarse) {
+  const CoarseGrid& grid = grids_[level];
+  const Bands bands{grid.rows, level == 0 ? std::min(bands_.count(), grid.rows) : 1};
+  const std::ptrdiff_t stride = level == 0 ? stride_ : levels_[level - 1].stride;
+  const Xyz<float> row = row_.data();
+  BandLoop(bands, workers_).run([&](const RowBand& rows, int scratch) {
+    const std::ptrdiff_t at = scratch * 2 * stride_;
+    kernels_.restrict_to(grid, stride, free_above(level), fine, coarse, {row.x + at, row.y + at, row.z + at}, rows);
+  });
+}
+
+void SheetMultigrid::prolong_from_level(size_t level, Xyz<float> fine) {
+  const Xyz<float> coarse = levels_[level].z.data();
+  const int cols = level == 0 ? cols_ : levels_[level - 1].cols;
+  const std::ptrdiff_t stride = level == 0 ? stride_ : levels_[level - 1].stride;
+  const BandLoop bands = level == 0 ? BandLoop(bands_, workers_) : bands_of(level - 1);
+  bands.run([&](const RowBand& rows, int) {
+    kernels_.prolong(grids_[level], cols, stride, free_above(level), coarse, fine, rows);
+  });
+}
+
 void SheetMultigrid::correct(Xyz<float> r, Xyz<float> z) {
   const size_t last = levels_.size() - 1;
   for (size_t k = 0; k <= last; ++k) {
     Level& level = levels_[k];
-    const std::ptrdiff_t stride = k == 0 ? stride_ : levels_[k - 1].stride;
-    const Xyz<float> above = k == 0 ? r : levels_[k - 1].y.data();
-    kernels_.restrict_to(grids_[k], stride, free_above(k), above, level.r.data(), row_.data());
+    restrict_to_level(k, k == 0 ? r : levels_[k - 1].y.data(), level.r.data());
     if (k == last) break;
-    kernels_.coarse_relax_first(grids_[k], level.r.data(), level.z.data());
-    kernels_.coarse_residue(grids_[k], level.z.data(), level.r.data(), level.y.data());
+    const BandLoop bands = bands_of(k);
+    bands.run([&](const RowBand& rows, int) {
+      kernels_.coarse_relax_first(grids_[k], level.r.data(), level.z.data(), rows);
+    });
+    bands.run([&](const RowBand& rows, int) {
+      kernels_.coarse_residue(grids_[k], level.z.data(), level.r.data(), level.y.data(), rows);
+    });
   }
   solve_coarsest(&levels_[last]);
   for (size_t k = last; k > 0; --k) {
-    Level &level = levels_[k], &finer = levels_[k - 1];
-    kernels_.prolong(grids_[k], finer.rows, finer.cols, finer.stride, finer.free.data(), level.z.data(),
-                     finer.z.data());
-    kernels_.coarse_relax(grids_[k - 1], finer.z.data(), finer.r.data(), finer.y.data());
+    Level& finer = levels_[k - 1];
+    prolong_from_level(k, finer.z.data());
+    bands_of(k - 1).run([&](const RowBand& rows, int) {
+      kernels_.coarse_relax(grids_[k - 1], finer.z.data(), finer.r.data(), finer.y.data(), rows);
+    });
     std::swap(finer.z, finer.y);
   }
-  kernels_.prolong(grids_[0], rows_, cols_, stride_, fine_free_.data(), levels_[0].z.data(), z);
+  prolong_from_level(0, z);
 }
 
 }  // namespace deformable_sim

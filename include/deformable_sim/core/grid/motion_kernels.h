@@ -77,6 +77,10 @@ struct MotionKernels {
   /// start, y, bent and the registers beside rows, from x and v.
   void (*begin)(const MotionShape<Real>&, const MotionLeap<Real>&);
   void (*leap)(const MotionShape<Real>&, const MotionLeap<Real>&);
+  /// The same by bands, a loop each: forces of all bands, each with its own `passed`, into `force` of all rows; then
+  /// all bands move. The same bits as leap().
+  void (*forces)(const MotionShape<Real>&, const MotionLeap<Real>&, const RowBand&);
+  void (*move)(const MotionShape<Real>&, const MotionLeap<Real>&, const RowBand&);
 };
 
 const MotionKernels<float>& motion_kernels(SimdLevel level, float);

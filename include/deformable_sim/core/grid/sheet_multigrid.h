@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "deformable_sim/core/grid/bands.h"
 #include "deformable_sim/core/grid/grid_sheet.h"
 #include "deformable_sim/core/grid/sheet_rows.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
@@ -24,8 +25,9 @@ namespace deformable_sim {
 /// Not good at: bending stiffness, of which the coarser grids know nothing; anisotropy that the sweeps do not see.
 class SheetMultigrid {
  public:
-  /// mass: kg, of the sheet's nodes; free: by node, 0 at held ones.
-  SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free);
+  /// mass: kg, of the sheet's nodes; free: by node, 0 at held ones; workers: null is one thread.
+  SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free,
+                 const Workers* workers = nullptr);
 
   /// inertia: 1/s^2; stiffness: a factor on the springs' own.
   void tune(double inertia, double stiffness);
@@ -60,15 +62,21 @@ class SheetMultigrid {
   void refresh();
   void factorise();
   void solve_coarsest(Level* level);
+  void restrict_to_level(size_t level, Xyz<float> fine, Xyz<float> coarse);
+  void prolong_from_level(size_t level, Xyz<float> fine);
+  /// Loops over the rows of a level; from the second on they are too short for threads.
+  BandLoop bands_of(size_t level) const;
   const float* free_above(size_t level) const {
     return level == 0 ? fine_free_.data() : levels_[level - 1].free.data();
   }
 
   const StageKernels& kernels_;
   int rows_, cols_;
+  Bands bands_;  // of the finest grid
+  const Workers* workers_;
   std::ptrdiff_t stride_;
   RowArray<float> fine_free_;
-  XyzArray<float> row_;
+  XyzArray<float> row_;  // one a band
   std::vector<Level> levels_;
   std::vector<CoarseGrid> grids_;
   double inertia_ = 0.0, stiffness_ = 0.0;
