@@ -285,6 +285,7 @@ World::~World() = default;
 
 StepOutcome World::step() {
   Parts& w = *parts_;
+  const Workers::Shift shift(w.dynamics.workers);
   w.timed = w.model->node_count() >= kSmallWorld || w.step_count % kTimedSteps == 0;
   w.keep_last_good();
   const int wanted = w.wanted_parts();

@@ -17,6 +17,7 @@ class WorkersOf : public testing::TestWithParam<int> {
  protected:
   test::FourThreads allowed_;
   Workers workers_{GetParam()};
+  Workers::Shift shift_{&workers_};
 };
 INSTANTIATE_TEST_SUITE_P(, WorkersOf, testing::Values(1, 2, 3, 4));
 

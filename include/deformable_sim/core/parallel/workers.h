@@ -8,8 +8,12 @@ namespace deformable_sim {
 /// Threads that share the pieces of a loop. What is cut into pieces, and the order in which their results are added up,
 /// is the scene's matter and never depends on how many threads there are: so the bits of a result do not either.
 ///
-/// Not good at: pieces of less than some microseconds (a loop costs 1 to 2 us on threads that are awake, and tens where
-/// they have to be woken); cores that other processes want, since a loop ends with its last piece.
+/// The other threads take part during a Shift: they come with its first loop, as soon as they find a core, look for
+/// pieces without sleeping, which makes loops of a few microseconds worth while, and leave when it ends. The caller
+/// waits for none of them: it works through what nobody has taken, so that a thread without a core is no loss. One that
+/// loses its core in the middle of a piece is waited for.
+///
+/// Not good at: pieces of less than a microsecond; machines whose cores are all taken.
 class Workers {
  public:
   static constexpr int kMost = 64;
@@ -23,24 +27,41 @@ class Workers {
 
   int threads() const { return threads_; }
 
-  /// work(k) once for every k = 0 ... pieces - 1, in any order and several at a time; returns when all are done. May be
-  /// called from within a piece. Throws what a piece throws; others may then be left out.
+  /// work(k) once for every k = 0 ... pieces - 1, in any order and several at a time; returns when all are done. From
+  /// within a piece: one by one. Throws what a piece throws; others may then be left out.
   template <class Work>
   void for_each(int pieces, const Work& work) const {
-    if (arena_ == nullptr || pieces < 2) {
+    if (team_ == nullptr || pieces < 2) {
       for (int k = 0; k < pieces; ++k) work(k);
       return;
     }
-    run(
-        pieces, [](const void* some, int k) { (*static_cast<const Work*>(some))(k); }, &work);
+    run({[](const void* some, int k) { (*static_cast<const Work*>(some))(k); }, &work, pieces});
   }
 
+  /// From its construction to its end the other threads take part; without one, they do not. Null: nothing happens.
+  class Shift {
+   public:
+    explicit Shift(const Workers* workers);
+    ~Shift();
+    Shift(const Shift&) = delete;
+    Shift& operator=(const Shift&) = delete;
+
+   private:
+    const Workers* workers_;
+  };
+
  private:
-  struct Arena;
-  void run(int pieces, void (*piece)(const void*, int), const void* work) const;
+  struct Team;
+  struct Loop {
+    void (*piece)(const void*, int);
+    const void* work;
+    int pieces;
+  };
+  void run(const Loop& loop) const;
+  void call_others() const;
 
   int threads_;
-  std::unique_ptr<Arena> arena_;  // null: one thread
+  std::shared_ptr<Team> team_;  // null: one thread
 };
 
 /// The same where null stands for one thread.
