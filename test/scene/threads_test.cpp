@@ -31,6 +31,13 @@ std::vector<Case> cases() {
                     explicit_single = explicit_double + ", precision: single",
                     bdf2 = "integrator: bdf2, linear_solver: multigrid, dt: 0.01",
                     tr_bdf2 = "integrator: tr_bdf2, linear_solver: multigrid, dt: 0.01";
+  const std::string two_sheets =
+      sheet("large", 61, 75, kHanging) +
+      sheet("small", 21, 25, "pose: {position: [2, 0, 1.5], rpy: [1.5, 0, 0]}, pins: [corner_2]");
+  const auto rope = [](const char* name, int segments) {
+    return std::string("  - rope: {name: ") + name + ", length: 1.0, segments: " + std::to_string(segments) +
+           ", pose: {position: [-1, 0, 1]}, pins: [end_0]}\n";
+  };
   return {
       {"explicit_double", explicit_double, hanging, "", 20},
       {"explicit_single", explicit_single, hanging, "", 20},
@@ -39,6 +46,14 @@ std::vector<Case> cases() {
       {"tr_bdf2", tr_bdf2, hanging, "", 10},
       {"large_tr_bdf2", tr_bdf2, sheet("sheet", 121, 115, kHanging), "", 4},
       {"implicit_contact", bdf2, lying, kBall, 12},
+      {"two_sheets_and_a_rope", explicit_double, two_sheets + rope("rope", 20), "", 2},
+      {"two_sheets_implicit", tr_bdf2, two_sheets, "", 10},
+      {"ropes", "integrator: bdf2, dt: 0.005, jacobian: lagged, linear_solver: banded",
+       rope("a", 300) + rope("b", 200) + rope("c", 400), "", 30},
+      {"mesh", "integrator: implicit_euler, dt: 0.01",
+       "  - cloth: {name: sheet, size: [0.5, 0.5], cells: [20, 20], bending: hinges, material: {bending_rigidity: "
+       "1.0e-5}, pose: {position: [0, 0, 0.26]}}\n",
+       kBall, 8},
   };
 }
 

@@ -13,7 +13,7 @@ namespace deformable_sim {
 class Bands {
  public:
   /// A sheet of fewer nodes stays whole: its loops are too short for threads to pay (doc/performance.md).
-  static constexpr int kLeastNodes = 3000;
+  static constexpr int kLeastNodes = 2400;
   static constexpr int kLeastRows = 8;  // a band reckons a row of springs that belongs to the band above as well
   static constexpr int kMost = 12;      // what 2, 3, 4 and 6 threads share evenly
 

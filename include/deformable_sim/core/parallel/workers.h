@@ -17,6 +17,9 @@ namespace deformable_sim {
 class Workers {
  public:
   static constexpr int kMost = 64;
+  /// Bodies that are solved each by itself are shared out from so many nodes on, of all together: about a tenth of a
+  /// millisecond.
+  static constexpr int kLeastSolvedNodes = 500;
 
   /// The caller's thread counts, so 1 is no thread beside it; more than there are cores are as many as there are cores.
   /// Throws InputError outside 1 ... kMost.
