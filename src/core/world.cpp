@@ -79,6 +79,8 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
       grasps(model.get(), settings.grasp_max_speed),
       colliders(settings.collider_max_speed) {
   check_settings(settings);
+  if (settings.threads != 1) workers = std::make_unique<Workers>(settings.threads);
+  if (workers && workers->threads() > 1) dynamics.workers = workers.get();
   integrator = make_integrator(settings.integrator, settings.solver);
   dynamics.mass = &model->mass;
   if (model->mass_matrix.nonZeros() > 0) dynamics.mass_matrix = &model->mass_matrix;
@@ -283,6 +285,7 @@ World::~World() = default;
 
 StepOutcome World::step() {
   Parts& w = *parts_;
+  const Workers::Shift shift(w.dynamics.workers);
   w.timed = w.model->node_count() >= kSmallWorld || w.step_count % kTimedSteps == 0;
   w.keep_last_good();
   const int wanted = w.wanted_parts();

@@ -9,6 +9,7 @@
 #include "deformable_sim/core/contact/collider_set.h"
 #include "deformable_sim/core/contact/contact_finder.h"
 #include "deformable_sim/core/grasp/grasp_set.h"
+#include "deformable_sim/core/parallel/workers.h"
 #include "deformable_sim/core/strain_limit.h"
 #include "deformable_sim/core/world.h"
 
@@ -42,6 +43,7 @@ struct World::Parts {
   // What changes.
   State state;
   std::uint64_t step_count = 0;
+  std::unique_ptr<Workers> workers;  // only for more threads than one
   std::unique_ptr<Integrator> integrator;
   BlockMatrix pattern;                     // empty for schemes without a Jacobian; see make_pattern()
   std::unique_ptr<StrainLimiter> limiter;  // only where the model has strain limits

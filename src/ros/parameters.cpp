@@ -159,7 +159,6 @@ Parameters read_parameters(const ros::NodeHandle& private_nh) {
     ROS_WARN_STREAM_NAMED("parameters",
                           "unknown parameters ignored: " << unknown << " (known: " << reader.known() << ")");
   }
-  if (p.threads > 1) ROS_WARN_NAMED("parameters", "~threads: this version steps on one thread");
   ROS_INFO_STREAM_NAMED("parameters", summary(p));
   return p;
 }

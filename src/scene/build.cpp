@@ -312,11 +312,12 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
   return model;
 }
 
-std::unique_ptr<World> build_world(const SceneSpec& spec) {
+std::unique_ptr<World> build_world(const SceneSpec& spec, int threads) {
   std::shared_ptr<const Model> model = build_model(spec);
   WorldSettings settings;
   set_solver(spec, *model, &settings);
   settings.grasp_max_speed = spec.grasp_max_speed;
+  settings.threads = threads;
   std::vector<Collider> colliders;
   for (const ColliderSpec& collider : spec.colliders) colliders.push_back(collider.collider);
   const std::vector<PlacedGrasp> placed = all_grasps(spec);

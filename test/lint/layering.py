@@ -22,14 +22,15 @@ CORE_RULES = {
     'element/': ['types.h', 'error.h', 'element/', 'material/'],
     'material/': ['types.h', 'error.h', 'material/', 'topology/'],
     'topology/': ['types.h', 'error.h', 'topology/'],
-    'linear/': ['types.h', 'error.h', 'simd_level.h', 'linear/'],
+    'parallel/': ['error.h', 'parallel/'],
+    'linear/': ['types.h', 'error.h', 'simd_level.h', 'parallel/', 'linear/'],
     'rod_frames': ['types.h', 'error.h', 'state.h', 'element/rod_frame.h', 'topology/', 'model.h', 'rod_frames.h'],
     'energy/': ['types.h', 'error.h', 'state.h', 'element/', 'material/', 'topology/', 'linear/', 'rod_frames.h', 'energy/'],
     'rope/': ['types.h', 'element/spring.h', 'energy/', 'simd_level.h', 'rope/'],
-    'grid/': ['types.h', 'error.h', 'simd_level.h', 'element/jacobian.h', 'linear/', 'material/', 'topology/', 'grid/'],
-    'integrator/': ['types.h', 'error.h', 'state.h', 'linear/', 'element/jacobian.h', 'energy/energy.h', 'energy/terms.h', 'energy/limit_springs.h',
+    'grid/': ['types.h', 'error.h', 'simd_level.h', 'element/jacobian.h', 'linear/', 'material/', 'parallel/', 'topology/', 'grid/'],
+    'integrator/': ['types.h', 'error.h', 'state.h', 'linear/', 'parallel/', 'element/jacobian.h', 'energy/energy.h', 'energy/terms.h', 'energy/limit_springs.h',
                     'energy/known_terms.h', 'contact/constraint.h', 'grasp/kinematics.h', 'grid/', 'rope/', 'integrator/'],
-    'contact/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'topology/', 'model.h', 'contact/'],
+    'contact/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'parallel/', 'topology/', 'model.h', 'contact/'],
     'grasp/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'element/rod_frame.h', 'rod_frames.h', 'topology/', 'model.h',
                'energy/', 'grasp/'],
     'model': ['types.h', 'error.h', 'state.h', 'energy/', 'grid/', 'material/', 'topology/', 'model.h'],
@@ -82,6 +83,8 @@ def check_foreign_include(layer, rest, header):
     """Why a file may not include a header that is not of this package, or None."""
     if header.startswith('fcl/') and not (layer == 'core' and rest.startswith('contact/')):
         return 'FCL is included in core/contact only'
+    if header.startswith('tbb/'):
+        return None if layer == 'core' and rest.startswith('parallel/') else 'threads are made in core/parallel only'
     if header.startswith('yaml-cpp/') and layer not in ('scene', 'robot'):
         return 'YAML is read in scene only'
     if layer in ('ros', 'robot', 'rviz') or (layer == 'program' and not rest.startswith(('simulate', 'study'))):

@@ -14,6 +14,7 @@ BAD = [
     ('include/deformable_sim/core/model.h', '#include <geometry_msgs/Point.h>', 'core may not include'),
     ('src/core/world.cpp', '#include <yaml-cpp/yaml.h>', 'YAML is read in scene only'),
     ('src/core/world.cpp', '#include <fcl/fcl.h>', 'FCL is included in core/contact only'),
+    ('src/core/grid/x.cpp', '#include <tbb/parallel_for.h>', 'threads are made in core/parallel only'),
     ('src/scene/build.cpp', '#include <fcl/fcl.h>', 'FCL is included in core/contact only'),
     ('src/ros/node.cpp', '#include <fcl/fcl.h>', 'FCL is included in core/contact only'),
     ('src/ros/node.cpp', '#include <yaml-cpp/yaml.h>', 'YAML is read in scene only'),

@@ -21,6 +21,7 @@ struct WorldSettings {
   std::string chosen;               // why these, where the scene left it open; shown to people
   double grasp_max_speed = 1.0;     // m/s, for grasps that name none
   double collider_max_speed = 5.0;  // m/s, faster moves are spread over steps
+  int threads = 1;                  // 1 ... Workers::kMost; the bits of a result do not depend on it
 };
 
 /// One line of the bill: a part the scene pays for.

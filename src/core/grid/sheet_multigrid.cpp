@@ -83,14 +83,19 @@ void SheetMultigrid::Stencil::resize(int row_count, int col_count) {
   for (auto& e : entry) e.assign(static_cast<size_t>(rows * cols), 0.0);
 }
 
-SheetMultigrid::SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free)
-    : kernels_(coarse_kernels(simd_level())), rows_(sheet.rows), cols_(sheet.cols) {
-  const int whole = (cols_ + kMargin - 1) / kMargin * kMargin;
+SheetMultigrid::SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free,
+                               const Workers* workers)
+    : kernels_(coarse_kernels(simd_level())),
+      rows_(sheet.rows),
+      cols_(sheet.cols),
+      bands_(Bands::of(rows_, cols_)),
+      workers_(bands_.count() > 1 ? workers : nullptr) {
+  const int whole = (cols_ + kMargin - 1) / kMargin * kMargin, scratches = workers_ != nullptr ? bands_.count() : 1;
   stride_ = kMargin + whole;
-  fine_free_ = RowArray<float>(rows_, stride_);
-  row_ = XyzArray<float>(1, 2 * stride_);
   line_ = whole + 4 * kMargin;
-  space_ = RowArray<float>(1, CoarseKernels::kSpace * line_);
+  fine_free_ = RowArray<float>(rows_, stride_);
+  row_ = XyzArray<float>(scratches, 2 * stride_);
+  space_ = RowArray<float>(scratches, CoarseKernels::kSpace * line_);
   for (int k = 0; k < rows_ * cols_; ++k) {
     fine_free_.data()[k / cols_ * stride_ + k % cols_] = free[static_cast<size_t>(k)] != 0 ? 1.0f : 0.0f;
   }
@@ -134,7 +139,7 @@ SheetMultigrid::Level SheetMultigrid::below(int rows, int cols) {
   }
   for (auto* numbers : {&level.free, &level.scalar_sum}) *numbers = RowArray<float>(level.rows, level.stride);
   for (auto& numbers : level.scalar) numbers = RowArray<float>(level.rows, level.stride);
-  level.passed = RowArray<float>(1, SheetScratch<float>::kPassed * level.stride);
+  level.passed = RowArray<float>(Bands::kMost, SheetScratch<float>::kPassed * level.stride);
   for (auto* rows_of : {&level.r, &level.z, &level.y}) *rows_of = XyzArray<float>(level.rows, level.stride);
   level.mass.resize(level.rows, level.cols);
   level.bending.resize(level.rows, level.cols);
@@ -230,9 +235,12 @@ void SheetMultigrid::tune(double inertia, double bending) {
 
 void SheetMultigrid::refresh(const SheetShape<float>& shape, const SheetMatrix& matrix,
                              const std::vector<Extra>& extra) {
-  kernels_.coarsen_sheet(shape, matrix, grids_[0], space_.data(), line_);
-  for (size_t k = 1; k < levels_.size(); ++k) {
-    kernels_.coarsen(grids_[k - 1], grids_[k], space_.data(), line_);
+  for (size_t k = 0; k < levels_.size(); ++k) {
+    bands_below(k).run([&](const RowBand& rows, int scratch) {
+      float* space = space_.data() + scratch * CoarseKernels::kSpace * line_;
+      if (k == 0) return kernels_.coarsen_sheet(shape, matrix, grids_[0], space, line_, rows);
+      kernels_.coarsen(grids_[k - 1], grids_[k], space, line_, rows);
+    });
   }
   for (Level& level : levels_) {
     if (has_extra_) level.extra.clear();
@@ -242,7 +250,9 @@ void SheetMultigrid::refresh(const SheetShape<float>& shape, const SheetMatrix& 
   for (const Extra& e : extra) spread(e.node, e.block);
   for (size_t k = 0; k < levels_.size(); ++k) {
     grids_[k].extra = has_extra_ ? levels_[k].extra.data() : nullptr;
-    kernels_.finish(grids_[k]);
+    const BandLoop bands = bands_of(k);
+    bands.run([&](const RowBand& rows, int) { kernels_.add_scalars(grids_[k], rows); });
+    bands.run([&](const RowBand& rows, int) { kernels_.find_diagonal(grids_[k], rows); });
   }
   factorise();
 }
@@ -353,26 +363,66 @@ void SheetMultigrid::solve_coarsest(Level* level) {
   for (int k = 0; k < 3 * nodes; ++k) to[k % 3][place(k / 3)] = dense_z_[static_cast<size_t>(k)];
 }
 
+BandLoop SheetMultigrid::bands_of(size_t level) const {
+  const CoarseGrid& grid = grids_[level];
+  return {Bands::of(grid.rows, grid.cols), workers_};
+}
+
+BandLoop SheetMultigrid::bands_below(size_t level) const {
+  const int rows = grids_[level].rows;
+  return {Bands{rows, level == 0 ? std::min(bands_.count(), rows) : 1}, workers_};
+}
+
+void SheetMultigrid::restrict_to_level(size_t level, Xyz<float> fine, Xyz<float> coarse) {
+  const std::ptrdiff_t stride = level == 0 ? stride_ : levels_[level - 1].stride;
+  const Xyz<float> row = row_.data();
+  bands_below(level).run([&](const RowBand& rows, int scratch) {
+    const std::ptrdiff_t at = scratch * 2 * stride_;
+    kernels_.restrict_to(grids_[level], stride, free_above(level), fine, coarse, {row.x + at, row.y + at, row.z + at},
+                         rows);
+  });
+}
+
+void SheetMultigrid::prolong_from_level(size_t level, Xyz<float> fine) {
+  const Xyz<float> coarse = levels_[level].z.data();
+  const int cols = level == 0 ? cols_ : levels_[level - 1].cols;
+  const std::ptrdiff_t stride = level == 0 ? stride_ : levels_[level - 1].stride;
+  const BandLoop bands = level == 0 ? BandLoop(bands_, workers_) : bands_of(level - 1);
+  bands.run([&](const RowBand& rows, int) {
+    kernels_.prolong(grids_[level], cols, stride, free_above(level), coarse, fine, rows);
+  });
+}
+
+CoarseGrid SheetMultigrid::grid_with_scratch(size_t level, int scratch) {
+  CoarseGrid grid = grids_[level];
+  grid.passed += scratch * SheetScratch<float>::kPassed * grid.stride;
+  return grid;
+}
+
 void SheetMultigrid::correct(Xyz<float> r, Xyz<float> z) {
   const size_t last = levels_.size() - 1;
   for (size_t k = 0; k <= last; ++k) {
     Level& level = levels_[k];
-    const std::ptrdiff_t stride = k == 0 ? stride_ : levels_[k - 1].stride;
-    const Xyz<float> above = k == 0 ? r : levels_[k - 1].y.data();
-    kernels_.restrict_to(grids_[k], stride, free_above(k), above, level.r.data(), row_.data());
+    restrict_to_level(k, k == 0 ? r : levels_[k - 1].y.data(), level.r.data());
     if (k == last) break;
-    kernels_.relax_first(grids_[k], kSweep, level.r.data(), level.z.data());
-    kernels_.residue(grids_[k], level.z.data(), level.r.data(), level.y.data());
+    const BandLoop bands = bands_of(k);
+    bands.run([&](const RowBand& rows, int) {
+      kernels_.relax_first(grids_[k], kSweep, level.r.data(), level.z.data(), rows);
+    });
+    bands.run([&](const RowBand& rows, int scratch) {
+      kernels_.residue(grid_with_scratch(k, scratch), level.z.data(), level.r.data(), level.y.data(), rows);
+    });
   }
   solve_coarsest(&levels_[last]);
   for (size_t k = last; k > 0; --k) {
-    Level &level = levels_[k], &finer = levels_[k - 1];
-    kernels_.prolong(grids_[k], finer.rows, finer.cols, finer.stride, finer.free.data(), level.z.data(),
-                     finer.z.data());
-    kernels_.relax(grids_[k - 1], kSweep, finer.z.data(), finer.r.data(), finer.y.data());
+    Level& finer = levels_[k - 1];
+    prolong_from_level(k, finer.z.data());
+    bands_of(k - 1).run([&](const RowBand& rows, int scratch) {
+      kernels_.relax(grid_with_scratch(k - 1, scratch), kSweep, finer.z.data(), finer.r.data(), finer.y.data(), rows);
+    });
     std::swap(finer.z, finer.y);
   }
-  kernels_.prolong(grids_[0], rows_, cols_, stride_, fine_free_.data(), levels_[0].z.data(), z);
+  prolong_from_level(0, z);
 }
 
 }  // namespace deformable_sim

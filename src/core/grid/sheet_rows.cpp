@@ -12,7 +12,7 @@ std::ptrdiff_t stride_of(int cols, int margin) {
 }  // namespace
 
 template <class Real>
-SheetRows<Real>::SheetRows(const GridSheet& sheet) : first_node_(sheet.first_node) {
+SheetRows<Real>::SheetRows(const GridSheet& sheet, int scratch_count) : first_node_(sheet.first_node) {
   shape_.rows = sheet.rows;
   shape_.cols = sheet.cols;
   shape_.stride = stride_of(sheet.cols, SheetShape<Real>::kMargin);
@@ -47,8 +47,9 @@ SheetRows<Real>::SheetRows(const GridSheet& sheet) : first_node_(sheet.first_nod
   for (int kind : sheet.bending.kind_of_row) bending_.push_back(kinds[static_cast<size_t>(kind)]);
   shape_.bending = bending_.data();
 
-  passed_ = {1, SheetScratch<Real>::kPassed * shape_.stride};
-  scratch_.passed = passed_.data();
+  const std::ptrdiff_t passed = SheetScratch<Real>::kPassed * shape_.stride;
+  passed_ = {scratch_count, passed};
+  for (int k = 0; k < scratch_count; ++k) scratch_.push_back({passed_.data() + k * passed});
 }
 
 /// A copy with zeros on both sides.

@@ -15,10 +15,12 @@ std::array<float, 6> six_of(const Mat3& m) {
 
 }  // namespace
 
-SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free)
-    : rows_(sheet),
+SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free,
+                         const Workers* workers)
+    : bands_(Bands::of(sheet.rows, sheet.cols), workers),
+      rows_(sheet, bands_.scratch_count()),
       kernels_(stage_kernels(simd_level())),
-      multigrid_(sheet, mass, free),
+      multigrid_(sheet, mass, free, workers),
       damping_time_(sheet.damping_time),
       bending_damping_(sheet.bending_damping),
       springs_(sheet.rows, SheetMatrix::kNumbers * SheetMatrix::kSprings * rows_.shape().stride),
@@ -31,24 +33,31 @@ SheetSystem::SheetSystem(const GridSheet& sheet, const std::vector<double>& mass
       p_(rows_.make_xyz()),
       y_(rows_.make_xyz()),
       step_(rows_.make_xyz()) {
-  matrix_.springs = springs_.data();
-  matrix_.passed = rows_.scratch().passed;
+  SheetMatrix a{};
+  a.springs = springs_.data();
   if (rows_.shape().has_flexion) {
     long_springs_ = {sheet.rows, SheetMatrix::kNumbers * SheetMatrix::kLongSprings * rows_.shape().stride};
-    matrix_.long_springs = long_springs_.data();
+    a.long_springs = long_springs_.data();
   }
-  if (!sheet.bending.empty()) pack_bending(sheet.bending);
+  if (!sheet.bending.empty()) {
+    pack_bending(sheet.bending);
+    a.bending = bending_rows_.data();
+  }
   for (size_t k = 0; k < inverse_.size(); ++k) {
     inverse_[k] = rows_.make_array();
-    matrix_.inverse[k] = inverse_[k].data();
+    a.inverse[k] = inverse_[k].data();
   }
   for (int node = 0; node < rows_.node_count(); ++node) {
     const auto k = static_cast<size_t>(node);
     free_.data()[rows_.place(node)] = free[k] != 0 ? 1.0f : 0.0f;
     weight_.data()[rows_.place(node)] = free[k] != 0 ? static_cast<float>(1.0 / mass[k]) : 0.0f;
   }
-  matrix_.inertia = inertia_.data();
-  matrix_.free = free_.data();
+  a.inertia = inertia_.data();
+  a.free = free_.data();
+  for (int k = 0; k < bands_.scratch_count(); ++k) {
+    matrix_.push_back(a);
+    matrix_.back().passed = rows_.scratch(k).passed;
+  }
 }
 
 /// Coefficients as SheetMatrix wants them.
@@ -65,21 +74,25 @@ void SheetSystem::pack_bending(const GridStencil& bending) {
     }
   }
   for (int kind : bending.kind_of_row) bending_rows_.push_back(bending_[static_cast<size_t>(kind)].data());
-  matrix_.bending = bending_rows_.data();
 }
 
 void SheetSystem::set_step(double tau, double mass_rate, Jacobian kind) {
-  matrix_.damping = static_cast<float>(damping_time_ / tau);
-  matrix_.bending_factor = static_cast<float>(1.0 + bending_damping_ / tau);
-  matrix_.transverse = kind == Jacobian::kAxial ? 0.0f : 1.0f;
+  for (SheetMatrix& a : matrix_) {
+    a.damping = static_cast<float>(damping_time_ / tau);
+    a.bending_factor = static_cast<float>(1.0 + bending_damping_ / tau);
+    a.transverse = kind == Jacobian::kAxial ? 0.0f : 1.0f;
+  }
   multigrid_.tune(mass_rate, 1.0 + bending_damping_ / tau);
 }
 
 void SheetSystem::linearise(Xyz<double> x, const SheetShape<double>& shape) {
-  kernels_.narrow(shape, x, x_.data());
-  kernels_.linearise(rows_.shape(), x_.data(), matrix_);
+  bands_.run([&](const RowBand& rows, int) { kernels_.narrow(shape, x, x_.data(), rows); });
+  bands_.run([&](const RowBand& rows, int) { kernels_.linearise(rows_.shape(), x_.data(), matrix(0), rows); });
+  if (bands_.apart()) {
+    bands_.run([&](const RowBand& rows, int) { kernels_.find_blocks(rows_.shape(), matrix(0), rows); });
+  }
   if (!couplings_.empty() || !extra_.empty()) patch_diagonal();
-  multigrid_.refresh(rows_.shape(), matrix_, extra_);
+  multigrid_.refresh(rows_.shape(), matrix(0), extra_);
 }
 
 /// Diagonal blocks of nodes that couplings name.
@@ -139,25 +152,41 @@ void SheetSystem::add_couplings(Xyz<float> p, float sign, Xyz<float> y, double* 
 }
 
 double SheetSystem::multiply(Xyz<float> z, float beta, Xyz<float> p, Xyz<float> y) {
-  double work = kernels_.multiply(rows_.shape(), matrix_, z, beta, p, y);
+  const SheetShape<float>& shape = rows_.shape();
+  if (bands_.apart()) bands_.run([&](const RowBand& rows, int) { kernels_.turn(shape, z, beta, p, rows); });
+  double work = bands_.sum(
+      [&](const RowBand& rows, int scratch) { return kernels_.multiply(shape, matrix(scratch), z, beta, p, y, rows); });
   if (!couplings_.empty()) add_couplings(p, 1.0f, y, &work);
   return work;
+}
+
+/// y = r - A z.
+void SheetSystem::find_residue(Xyz<float> z, Xyz<float> r, Xyz<float> y) {
+  bands_.run(
+      [&](const RowBand& rows, int scratch) { kernels_.residue(rows_.shape(), matrix(scratch), z, r, y, rows); });
+  if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
 }
 
 /// z_ = the preconditioner times r; returns r . z_. Uses y_.
 double SheetSystem::precondition(Xyz<float> r) {
   const SheetShape<float>& shape = rows_.shape();
   const Xyz<float> y = y_.data(), z = z_.data();
-  kernels_.relax_residue(shape, matrix_, kSweep, r, z, y);
+  if (bands_.apart()) {
+    bands_.run([&](const RowBand& rows, int) { kernels_.relax_first(shape, matrix(0), kSweep, r, z, rows); });
+  }
+  bands_.run(
+      [&](const RowBand& rows, int scratch) { kernels_.relax_residue(shape, matrix(scratch), kSweep, r, z, y, rows); });
   if (!couplings_.empty()) add_couplings(z, -1.0f, y, nullptr);
   multigrid_.correct(y, z);
   double work;
   if (couplings_.empty()) {
-    work = kernels_.residue_relax(shape, matrix_, kSweep, z, r, y);
+    work = bands_.sum([&](const RowBand& rows, int scratch) {
+      return kernels_.residue_relax(shape, matrix(scratch), kSweep, z, r, y, rows);
+    });
   } else {
-    kernels_.residue(shape, matrix_, z, r, y);
-    add_couplings(z, -1.0f, y, nullptr);
-    work = kernels_.relax(shape, matrix_, kSweep, z, r, y);
+    find_residue(z, r, y);
+    work =
+        bands_.sum([&](const RowBand& rows, int) { return kernels_.relax(shape, matrix(0), kSweep, z, r, y, rows); });
   }
   std::swap(z_, y_);
   return work;
@@ -181,7 +210,9 @@ double SheetSystem::solve(const LinearTolerance& tolerance, double start, double
     const double alpha = rz / curvature;
     slope += alpha * rz;
     before = rz;
-    const double left = kernels_.descend(shape, static_cast<float>(alpha), p, y, weight_.data(), x, r);
+    const double left = bands_.sum([&](const RowBand& rows, int) {
+      return kernels_.descend(shape, static_cast<float>(alpha), p, y, weight_.data(), x, r, rows);
+    });
     ++report->iterations;
     report->solved = left <= squares;
   }

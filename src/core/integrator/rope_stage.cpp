@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "deformable_sim/core/parallel/workers.h"
+
 namespace deformable_sim {
 
 RopeStage::RopeStage(const SolverSettings& settings) : settings_(settings), generic_(settings) {}
@@ -32,6 +34,8 @@ void RopeStage::prepare(const Dynamics& d) {
   fits_ = chains.has_value();
   if (!fits_) return;
   for (const RopeChain& chain : *chains) ropes_.emplace_back(chain, d, settings_, around_);
+  parts_.resize(ropes_.size());
+  workers_ = n >= Workers::kLeastSolvedNodes ? d.workers : nullptr;
   for (Nodes* nodes : {&end_.x, &end_.v, &force_, &outer_force_}) nodes->setZero(3, n);
 }
 
@@ -42,11 +46,16 @@ StepReport RopeStage::solve(const StageEquation& equation, const State& start, c
   end_.time = start.time + equation.duration;
   end_.x.resize(3, start.x.cols());
   end_.v.resize(3, start.x.cols());
+  for_each_piece(workers_, static_cast<int>(ropes_.size()), [&](int k) {
+    RopeSolve& rope = ropes_[static_cast<size_t>(k)];
+    Part& part = parts_[static_cast<size_t>(k)];
+    part.report = StepReport();
+    part.solved = rope.solve(equation, start, d, around_, &part.report);
+    if (part.solved) rope.store(equation, around_, &end_, &force_, &outer_force_);
+  });
   StepReport report;
-  for (RopeSolve& rope : ropes_) {
-    StepReport part;
-    if (!rope.solve(equation, start, d, around_, &part)) return solve_otherwise(equation, start, d);
-    rope.store(equation, around_, &end_, &force_, &outer_force_);
+  for (const auto& [solved, part] : parts_) {
+    if (!solved) return solve_otherwise(equation, start, d);
     report.converged = report.converged && part.converged;
     report.newton_iterations = std::max(report.newton_iterations, part.newton_iterations);
     report.force_evaluations = std::max(report.force_evaluations, part.force_evaluations);

@@ -13,18 +13,26 @@ constexpr double kFaster = 2.0;            // a node at its end, than the fastes
 constexpr double kStretched = 8.0;         // a spring, over its length: differences must not leave the range either
 constexpr double kSlow = 1.0;              // m/s, that no sheet is thought to be slower than
 
+/// Nothing is added up over rows, so that there may be as few bands as threads.
+Bands bands_of(const GridSheet& sheet, const Workers* workers) {
+  const int threads = workers != nullptr ? workers->threads() : 1;
+  return {sheet.rows, std::min(Bands::of(sheet.rows, sheet.cols).count(), threads)};
+}
+
 }  // namespace
 
 template <class Real>
 SheetMotion<Real>::SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& mass, const std::vector<int>& held,
-                               SimdLevel level)
+                               SimdLevel level, const Workers* workers)
     : kernels_(motion_kernels(level, Real())),
       rows_(sheet, kernels_.width),
+      bands_(bands_of(sheet, workers), workers),
       x_(rows_.template make_points<Position>()),
       v_(rows_.template make_points<Real>()),
       gain_(rows_.make_numbers()),
-      passed_(rows_.make_row()),
-      row_{rows_.make_row(), rows_.make_row(), rows_.make_row()},
+      passed_(rows_.make_rows(bands_.scratch_count())),
+      row_{rows_.make_rows(bands_.scratch_count()), rows_.make_rows(bands_.scratch_count()),
+           rows_.make_rows(bands_.scratch_count())},
       longest_(std::max(
           {sheet.warp.length, sheet.weft.length, sheet.shear_length, sheet.warp_bend.length, sheet.weft_bend.length})),
       keeps_(static_cast<size_t>(sheet.rows), 0) {
@@ -45,7 +53,7 @@ SheetMotion<Real>::SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& ma
     keeps_[static_cast<size_t>(node / sheet.cols)] = 1;
     gain_.data()[rows_.number_place(node)] = Real(0);
   }
-  if (!held_.empty()) force_ = rows_.template make_points<Real>();
+  if (!held_.empty() || bands_.apart()) force_ = rows_.template make_points<Real>();
 }
 
 template <class Real>
@@ -173,7 +181,14 @@ void SheetMotion<Real>::leap(double kick, double drift, const MassForce& everywh
       for (int d = 0; d < 3; ++d) more_.data()[place + d * rows_.width()] = static_cast<Real>(*from++);
     });
   }
-  kernels_.leap(rows_.shape(), leap);
+  if (!bands_.apart()) return kernels_.leap(rows_.shape(), leap);
+  bands_.run([&](const RowBand& rows, int scratch) {
+    MotionLeap<Real> own = leap;
+    for (Real*& row : own.rows) row += scratch * rows_.shape().stride;
+    own.passed += scratch * rows_.shape().stride;
+    kernels_.leap_band(rows_.shape(), own, rows);
+  });
+  bands_.run([&](const RowBand& rows, int) { kernels_.move_edges(rows_.shape(), leap, rows); });
 }
 
 template <class Real>

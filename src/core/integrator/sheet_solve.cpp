@@ -1,6 +1,7 @@
 #include "deformable_sim/core/integrator/sheet_solve.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "deformable_sim/core/integrator/cpu_time.h"
@@ -26,7 +27,8 @@ constexpr double kDigits = 1e-4;  // relative residual that single precision can
 
 SheetSolve::SheetSolve(const GridSheet& sheet, const Dynamics& d, const SolverSettings& settings)
     : settings_(settings),
-      rows_(sheet),
+      bands_(Bands::of(sheet.rows, sheet.cols), d.workers),
+      rows_(sheet, bands_.scratch_count()),
       kernels_(stage_kernels(simd_level())),
       forces_(sheet_kernels(simd_level())),
       first_(sheet.first_node),
@@ -54,7 +56,7 @@ SheetSolve::SheetSolve(const GridSheet& sheet, const Dynamics& d, const SolverSe
     free[static_cast<size_t>(node)] = 0;
   }
   free_count_ = static_cast<double>(std::max(1, count_ - static_cast<int>(held_.size())));
-  system_ = std::make_unique<SheetSystem>(sheet, mass_, free);
+  system_ = std::make_unique<SheetSystem>(sheet, mass_, free, d.workers);
   untouched_weight_ = system_->rows().make_array();
   for (int k = 0; k < count_; ++k) {
     untouched_weight_.data()[rows_.place(k)] = system_->weight()[rows_.place(k)];
@@ -175,7 +177,7 @@ void SheetSolve::set_target() {
   begin.x = x_.data();
   begin.base = base_.data();
   begin.target = target_.data();
-  kernels_.start(rows_.shape(), begin);
+  bands_.run([&](const RowBand& rows, int) { kernels_.start(rows_.shape(), begin, rows); });
   for (const Touched& t : touched_) {
     if (per_tau_.data()[t.place] != 1.0 / tau) follow_implicit_euler(t.place, t.node);
   }
@@ -212,9 +214,20 @@ double SheetSolve::start_iteration() {
 void SheetSolve::evaluate(bool along_step) {
   residual_.x = x_.data();
   residual_.step = along_step ? system_->step() : Xyz<float>{nullptr, nullptr, nullptr};
-  const SheetResidualSums sums = kernels_.residual(rows_.shape(), residual_, rows_.scratch());
+  if (bands_.apart()) {
+    bands_.run([&](const RowBand& rows, int) { kernels_.rates(rows_.shape(), residual_, rows); });
+  }
+  std::array<SheetResidualSums, Bands::kMost> parts;
+  bands_.run_each([&](int band, const RowBand& rows, int scratch) {
+    parts[static_cast<size_t>(band)] = kernels_.residual(rows_.shape(), residual_, rows_.scratch(scratch), rows);
+  });
+  sums_ = {parts[0].squares, parts[0].work};
+  for (int k = 1; k < bands_.count(); ++k) {
+    sums_.squares += parts[static_cast<size_t>(k)].squares;
+    sums_.work += parts[static_cast<size_t>(k)].work;
+  }
+  base_sums_ = sums_;
   ++force_evaluations_;
-  base_sums_ = sums_ = {sums.squares, sums.work};
   if (touched_.empty()) return;
   gather();
   add_terms(&touched_force_);
@@ -235,12 +248,19 @@ double SheetSolve::unbalanced() const {
   return std::sqrt(sums_.squares / free_count_);
 }
 
+/// x_ = before_ + fraction * step.
+void SheetSolve::advance(double fraction) {
+  bands_.run([&](const RowBand& rows, int) {
+    kernels_.advance(rows_.shape(), before_.data(), fraction, system_->step(), x_.data(), rows);
+  });
+}
+
 /// See ImplicitStage::search_along_step.
 void SheetSolve::search_along_step() {
   std::swap(x_, before_);
   double fraction = 1.0;
   for (int k = 0; k <= kHalvings; ++k, fraction *= 0.5) {
-    kernels_.advance(rows_.shape(), before_.data(), fraction, system_->step(), x_.data());
+    advance(fraction);
     evaluate(true);
     if (unbalanced() <= settings_.tolerance) return;
     const double ratio = sums_.work / slope_;
@@ -248,10 +268,10 @@ void SheetSolve::search_along_step() {
     if (std::abs(ratio) <= kInexact) return;
     const double full = unbalanced();
     const double other = ratio < kLeastLeft ? fraction / (1.0 - ratio) : kFarthest * fraction;
-    kernels_.advance(rows_.shape(), before_.data(), other, system_->step(), x_.data());
+    advance(other);
     evaluate(true);
     if (unbalanced() < full) return;
-    kernels_.advance(rows_.shape(), before_.data(), fraction, system_->step(), x_.data());
+    advance(fraction);
     evaluate(true);
     return;
   }
@@ -283,7 +303,7 @@ void SheetSolve::store(State* end, Nodes* force, Nodes* outer_force) {
   all.points = end->x.data() + offset;
   all.velocities = end->v.data() + offset;
   all.forces = equation_.force_wanted ? force->data() + offset : nullptr;
-  kernels_.end(rows_.shape(), all);
+  bands_.run([&](const RowBand& rows, int) { kernels_.end(rows_.shape(), all, rows); });
   for (const Held& held : held_) {
     const std::ptrdiff_t place = rows_.place(held.node);
     outer_force->col(first_ + held.node) =

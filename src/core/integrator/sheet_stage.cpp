@@ -5,6 +5,20 @@
 #include "deformable_sim/core/integrator/rope_stage.h"
 
 namespace deformable_sim {
+namespace {
+
+/// Sheets are shared out whole where there is one for every thread, or where none is large enough for bands.
+bool are_shared_whole(const std::vector<GridSheet>& grids, int threads) {
+  int nodes = 0;
+  bool small = true;
+  for (const GridSheet& grid : grids) {
+    nodes += grid.node_count();
+    small = small && Bands::of(grid.rows, grid.cols).count() == 1;
+  }
+  return nodes >= Workers::kLeastSolvedNodes && (small || static_cast<int>(grids.size()) >= threads);
+}
+
+}  // namespace
 
 void SheetStage::reset() {
   prepared_ = false;
@@ -47,6 +61,8 @@ void SheetStage::prepare(const Dynamics& d) {
     }
   }
   for (const GridSheet& grid : *d.grids) sheets_.push_back(std::make_unique<SheetSolve>(grid, d, settings_));
+  reports_.resize(sheets_.size());
+  workers_ = d.workers != nullptr && are_shared_whole(*d.grids, d.workers->threads()) ? d.workers : nullptr;
 }
 
 StepReport SheetStage::solve(const StageEquation& equation, const State& start, const Dynamics& d) {
@@ -54,10 +70,13 @@ StepReport SheetStage::solve(const StageEquation& equation, const State& start, 
   if (!fits_) return generic_.solve(equation, start, d);
   for (Nodes* nodes : {&end_.x, &end_.v, &force_, &outer_force_}) nodes->resize(3, start.x.cols());
   end_.time = start.time + equation.duration;
+  for_each_piece(workers_, static_cast<int>(sheets_.size()), [&](int k) {
+    const auto i = static_cast<size_t>(k);
+    reports_[i] = sheets_[i]->solve(equation, start, d, around_);
+    sheets_[i]->store(&end_, &force_, &outer_force_);
+  });
   StepReport report;
-  for (const auto& sheet : sheets_) {
-    const StepReport part = sheet->solve(equation, start, d, around_);
-    sheet->store(&end_, &force_, &outer_force_);
+  for (const StepReport& part : reports_) {
     report.converged = report.converged && part.converged;
     report.newton_iterations = std::max(report.newton_iterations, part.newton_iterations);
     report.linear_iterations += part.linear_iterations;

@@ -77,6 +77,11 @@ struct MotionKernels {
   /// start, y, bent and the registers beside rows, from x and v.
   void (*begin)(const MotionShape<Real>&, const MotionLeap<Real>&);
   void (*leap)(const MotionShape<Real>&, const MotionLeap<Real>&);
+  /// The same by bands of at least four rows, in two loops, to the same bits: forces of all bands, each with its own
+  /// `rows` and `passed`, which moves all nodes but those that other bands look at and leaves the forces on these in
+  /// `force`; then these move.
+  void (*leap_band)(const MotionShape<Real>&, const MotionLeap<Real>&, const RowBand&);
+  void (*move_edges)(const MotionShape<Real>&, const MotionLeap<Real>&, const RowBand&);
 };
 
 const MotionKernels<float>& motion_kernels(SimdLevel level, float);

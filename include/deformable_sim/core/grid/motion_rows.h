@@ -51,7 +51,8 @@ class MotionRows {
     return {shape_.rows, shape_.stride};
   }
   RowArray<Real> make_numbers() const { return {shape_.rows, shape_.stride / 3}; }
-  RowArray<Real> make_row() const { return {1, shape_.stride}; }
+  /// Space for `count` rows of points, with the registers beside each.
+  RowArray<Real> make_rows(int count) const { return {count, shape_.stride}; }
 
  private:
   /// Places within a row.

@@ -33,6 +33,14 @@ struct SheetShape {
   const Real* const* bending;  // by row: an array of `stride` numbers for each of the 13
 };
 
+/// Rows first ... end - 1 of a grid: what one call of a loop works on.
+struct RowBand {
+  int first, end;
+  /// The rows before were done just now with the same scratch, and those ahead may be written: nothing is done twice.
+  /// Else other bands are being worked on at the same time.
+  bool in_turn;
+};
+
 /// Three arrays, one a coordinate, each pointing at node (0, 0).
 template <class Real>
 struct Xyz {

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "deformable_sim/core/grid/bands.h"
 #include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/grid_sheet.h"
 #include "deformable_sim/core/grid/sheet_rows.h"
@@ -30,8 +31,9 @@ class SheetMultigrid {
     std::array<float, CoarseGrid::kBlock> block;
   };
 
-  /// mass: kg, of the sheet's nodes; free: by node, 0 at held ones.
-  SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free);
+  /// mass: kg, of the sheet's nodes; free: by node, 0 at held ones; workers: null is one thread.
+  SheetMultigrid(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free,
+                 const Workers* workers = nullptr);
 
   /// inertia: 1/s^2, times the masses; bending: a factor on the sheet's own.
   void tune(double inertia, double bending);
@@ -67,14 +69,24 @@ class SheetMultigrid {
   void spread(int node, const std::array<float, CoarseGrid::kBlock>& block);
   void factorise();
   void solve_coarsest(Level* level);
+  void restrict_to_level(size_t level, Xyz<float> fine, Xyz<float> coarse);
+  void prolong_from_level(size_t level, Xyz<float> fine);
+  /// Loops over the rows of a level; below the first they are too short for threads.
+  BandLoop bands_of(size_t level) const;
+  /// The finest grid's share of the work is the larger one: as many bands as it has.
+  BandLoop bands_below(size_t level) const;
+  CoarseGrid grid_with_scratch(size_t level, int scratch);
   const float* free_above(size_t level) const {
     return level == 0 ? fine_free_.data() : levels_[level - 1].free.data();
   }
 
   const CoarseKernels& kernels_;
   int rows_, cols_;
+  Bands bands_;  // of the finest grid
+  const Workers* workers_;
   std::ptrdiff_t stride_, line_;
-  RowArray<float> fine_free_, space_;
+  RowArray<float> fine_free_;
+  RowArray<float> space_;  // one a band, and so here
   XyzArray<float> row_;
   std::vector<Level> levels_;
   std::vector<CoarseGrid> grids_;

@@ -60,12 +60,13 @@ class XyzArray {
 template <class Real>
 class SheetRows {
  public:
-  explicit SheetRows(const GridSheet& sheet);
+  /// scratch_count: how many bands are worked on at the same time.
+  explicit SheetRows(const GridSheet& sheet, int scratch_count = 1);
   SheetRows(const SheetRows&) = delete;
   SheetRows& operator=(const SheetRows&) = delete;
 
   const SheetShape<Real>& shape() const { return shape_; }
-  const SheetScratch<Real>& scratch() const { return scratch_; }
+  const SheetScratch<Real>& scratch(int number = 0) const { return scratch_[static_cast<size_t>(number)]; }
   int first_node() const { return first_node_; }
   int node_count() const { return shape_.rows * shape_.cols; }
   /// Where a node of the sheet (counted from its first) lies in an array.
@@ -86,7 +87,7 @@ class SheetRows {
   const Real* keep(const std::vector<double>& values);
 
   SheetShape<Real> shape_;
-  SheetScratch<Real> scratch_;
+  std::vector<SheetScratch<Real>> scratch_;
   int first_node_;
   std::vector<std::vector<Real>> coefficients_;
   std::vector<const Real*> bending_;

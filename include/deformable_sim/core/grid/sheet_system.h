@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "deformable_sim/core/element/jacobian.h"
+#include "deformable_sim/core/grid/bands.h"
 #include "deformable_sim/core/grid/sheet_multigrid.h"
 #include "deformable_sim/core/linear/linear_solver.h"
 
@@ -26,8 +27,9 @@ struct SheetCoupling {
 /// them); couplings between nodes, of which the coarser grids see only what resists a common motion.
 class SheetSystem {
  public:
-  /// mass: kg, of the sheet's nodes; free: by node, 0 at held ones. The sheet may go.
-  SheetSystem(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free);
+  /// mass: kg, of the sheet's nodes; free: by node, 0 at held ones; workers: null is one thread. The sheet may go.
+  SheetSystem(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free,
+              const Workers* workers = nullptr);
 
   const SheetRows<float>& rows() const { return rows_; }
   /// kg/s^2 by node, laid out as rows; to be filled before linearise() and kept until the next change.
@@ -59,13 +61,16 @@ class SheetSystem {
 
  private:
   void pack_bending(const GridStencil& bending);
+  void find_residue(Xyz<float> z, Xyz<float> r, Xyz<float> y);
+  const SheetMatrix& matrix(int scratch) const { return matrix_[static_cast<size_t>(scratch)]; }
   void patch_diagonal();
   void add_couplings(Xyz<float> p, float sign, Xyz<float> y, double* work) const;
 
+  BandLoop bands_;
   SheetRows<float> rows_;
   const StageKernels& kernels_;
   SheetMultigrid multigrid_;
-  SheetMatrix matrix_{};
+  std::vector<SheetMatrix> matrix_;  // the same but for the scratch
   double damping_time_, bending_damping_;
   RowArray<float> springs_, long_springs_;
   std::vector<RowArray<float>> bending_;  // of each kind of row

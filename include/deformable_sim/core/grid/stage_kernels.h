@@ -61,34 +61,47 @@ struct SheetMatrix {
 
 struct StageKernels {
   int width;  // numbers a register, single precision
-  void (*start)(const SheetShape<double>&, const SheetStart&);
-  void (*end)(const SheetShape<double>&, const SheetEnd&);
+  void (*start)(const SheetShape<double>&, const SheetStart&, const RowBand&);
+  void (*end)(const SheetShape<double>&, const SheetEnd&, const RowBand&);
   /// x, v and y = x + bending_damping v from columns of points.
   void (*load)(const SheetShape<double>&, const double* points, const double* velocities, Xyz<double> x, Xyz<double> v,
                Xyz<double> y);
-  SheetResidualSums (*residual)(const SheetShape<double>&, const SheetResidual&, const SheetScratch<double>&);
+  /// v and y of SheetResidual; to be called for all bands before residual() where these are not in turn.
+  void (*rates)(const SheetShape<double>&, const SheetResidual&, const RowBand&);
+  SheetResidualSums (*residual)(const SheetShape<double>&, const SheetResidual&, const SheetScratch<double>&,
+                                const RowBand&);
   /// to = from + fraction step.
-  void (*advance)(const SheetShape<double>&, Xyz<double> from, double fraction, Xyz<float> step, Xyz<double> to);
-  void (*narrow)(const SheetShape<double>&, Xyz<double> from, Xyz<float> to);
+  void (*advance)(const SheetShape<double>&, Xyz<double> from, double fraction, Xyz<float> step, Xyz<double> to,
+                  const RowBand&);
+  void (*narrow)(const SheetShape<double>&, Xyz<double> from, Xyz<float> to, const RowBand&);
 
-  /// Springs and inverse diagonal blocks of the matrix at x.
-  void (*linearise)(const SheetShape<float>&, Xyz<float> x, const SheetMatrix&);
-  /// p = z + beta p, y = A p; returns p . y.
-  double (*multiply)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> z, float beta, Xyz<float> p,
-                     Xyz<float> y);
+  /// Springs and inverse diagonal blocks of the matrix at x: of a band in turn both, of others springs only.
+  void (*linearise)(const SheetShape<float>&, Xyz<float> x, const SheetMatrix&, const RowBand&);
+  /// The blocks, once the springs of all bands are there.
+  void (*find_blocks)(const SheetShape<float>&, const SheetMatrix&, const RowBand&);
+  /// p = z + beta p.
+  void (*turn)(const SheetShape<float>&, Xyz<float> z, float beta, Xyz<float> p, const RowBand&);
+  /// y = A p, before that turn() of a band in turn; returns p . y.
+  double (*multiply)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> z, float beta, Xyz<float> p, Xyz<float> y,
+                     const RowBand&);
+  /// z = omega D^-1 r.
+  void (*relax_first)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> r, Xyz<float> z,
+                      const RowBand&);
+  /// y = r - A z, before that relax_first() of a band in turn.
+  void (*relax_residue)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> r, Xyz<float> z,
+                        Xyz<float> y, const RowBand&);
   /// y = r - A z.
-  void (*residue)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> z, Xyz<float> r, Xyz<float> y);
+  void (*residue)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> z, Xyz<float> r, Xyz<float> y,
+                  const RowBand&);
   /// y = z + omega D^-1 (r - A z); returns r . y.
   double (*residue_relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> z, Xyz<float> r,
-                          Xyz<float> y);
-  /// z = omega D^-1 r, y = r - A z.
-  void (*relax_residue)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> r, Xyz<float> z,
-                        Xyz<float> y);
+                          Xyz<float> y, const RowBand&);
   /// y = z + omega D^-1 y; returns r . y.
-  double (*relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> z, Xyz<float> r, Xyz<float> y);
+  double (*relax)(const SheetShape<float>&, const SheetMatrix&, float omega, Xyz<float> z, Xyz<float> r, Xyz<float> y,
+                  const RowBand&);
   /// x += alpha p, r -= alpha y; returns sum |weight r|^2.
   double (*descend)(const SheetShape<float>&, float alpha, Xyz<float> p, Xyz<float> y, const float* weight,
-                    Xyz<float> x, Xyz<float> r);
+                    Xyz<float> x, Xyz<float> r, const RowBand&);
 };
 
 const StageKernels& stage_kernels(SimdLevel level);

@@ -14,6 +14,8 @@
 
 namespace deformable_sim {
 
+class Workers;
+
 /// The equations of motion of one step: M dv/dt = sum of energies' forces, subject to kinematics and contacts.
 struct Dynamics {
   const Eigen::VectorXd* mass = nullptr;  // n, kg, all > 0
@@ -26,6 +28,7 @@ struct Dynamics {
   const BlockMatrix* pattern = nullptr;  // null for schemes that need no Jacobian
   /// Sheets on grids: what some schemes evaluate in place of the terms these stand for. Null: none.
   const std::vector<GridSheet>* grids = nullptr;
+  const Workers* workers = nullptr;  // null: one thread
 };
 
 /// What a scheme asks to exist.

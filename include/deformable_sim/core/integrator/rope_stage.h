@@ -35,7 +35,14 @@ class RopeStage : public StageSolver {
   bool prepared_ = false, fits_ = false;
   bool solved_ = false;  // the last stage, by the ropes themselves
   RopeSurroundings around_;
+  /// One rope's part of a stage.
+  struct Part {
+    bool solved;
+    StepReport report;
+  };
   std::vector<RopeSolve> ropes_;
+  std::vector<Part> parts_;
+  const Workers* workers_ = nullptr;  // null: one rope after the other
   State end_;
   Nodes force_, outer_force_;
 };

@@ -7,6 +7,7 @@
 
 #include "deformable_sim/core/energy/energy.h"
 #include "deformable_sim/core/grasp/kinematics.h"
+#include "deformable_sim/core/grid/bands.h"
 #include "deformable_sim/core/grid/motion_rows.h"
 
 namespace deformable_sim {
@@ -17,9 +18,9 @@ namespace deformable_sim {
 template <class Real>
 class SheetMotion {
  public:
-  /// mass: kg of all nodes; held: their indices, ascending.
+  /// mass: kg of all nodes; held: their indices, ascending; workers: null is one thread.
   SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& mass, const std::vector<int>& held,
-              SimdLevel level = simd_level());
+              SimdLevel level = simd_level(), const Workers* workers = nullptr);
 
   bool contains(int node) const { return node >= rows_.first_node() && node < rows_.first_node() + rows_.node_count(); }
 
@@ -50,6 +51,7 @@ class SheetMotion {
 
   const MotionKernels<Real>& kernels_;
   MotionRows<Real> rows_;
+  const BandLoop bands_;
   RowArray<Position> x_, start_;
   RowArray<Real> v_, y_, bent_, force_, more_, gain_, passed_;
   std::array<RowArray<Real>, 3> row_;

@@ -63,7 +63,10 @@ class SheetSolve {
   Vec3 at(Xyz<double> rows, std::ptrdiff_t place) const { return {rows.x[place], rows.y[place], rows.z[place]}; }
   static void put(Xyz<double> rows, std::ptrdiff_t place, const Vec3& value);
 
+  void advance(double fraction);
+
   SolverSettings settings_;
+  BandLoop bands_;
   SheetRows<double> rows_;
   const StageKernels& kernels_;
   const SheetKernels& forces_;

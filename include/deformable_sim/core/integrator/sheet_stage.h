@@ -36,6 +36,8 @@ class SheetStage : public StageSolver {
   bool prepared_ = false, fits_ = false;
   SheetSurroundings around_;
   std::vector<std::unique_ptr<SheetSolve>> sheets_;
+  std::vector<StepReport> reports_;   // of each sheet
+  const Workers* workers_ = nullptr;  // of whole sheets; null: one after the other
   State end_;
   Nodes force_, outer_force_;
 };
