@@ -90,12 +90,9 @@ SheetMultigrid::SheetMultigrid(const GridSheet& sheet, const std::vector<double>
       cols_(sheet.cols),
       bands_(Bands::of(rows_, cols_)),
       workers_(bands_.count() > 1 ? workers : nullptr) {
-  const int whole = (cols_ + kMargin - 1) / kMargin * kMargin, scratches = workers_ != nullptr ? bands_.count() : 1;
-  stride_ = kMargin + whole;
-  line_ = whole + 4 * kMargin;
+  stride_ = kMargin + (cols_ + kMargin - 1) / kMargin * kMargin;
   fine_free_ = RowArray<float>(rows_, stride_);
-  row_ = XyzArray<float>(scratches, 2 * stride_);
-  space_ = RowArray<float>(scratches, CoarseKernels::kSpace * line_);
+  row_ = XyzArray<float>(scratch_count(), 2 * stride_);
   for (int k = 0; k < rows_ * cols_; ++k) {
     fine_free_.data()[k / cols_ * stride_ + k % cols_] = free[static_cast<size_t>(k)] != 0 ? 1.0f : 0.0f;
   }
@@ -126,7 +123,7 @@ void SheetMultigrid::find_shore(const std::vector<char>& free) {
   }
 }
 
-SheetMultigrid::Level SheetMultigrid::below(int rows, int cols) {
+SheetMultigrid::Level SheetMultigrid::below(int rows, int cols) const {
   Level level;
   level.halves_rows = rows > kNarrowest;
   level.halves_cols = cols > kNarrowest;
@@ -139,8 +136,10 @@ SheetMultigrid::Level SheetMultigrid::below(int rows, int cols) {
   }
   for (auto* numbers : {&level.free, &level.scalar_sum}) *numbers = RowArray<float>(level.rows, level.stride);
   for (auto& numbers : level.scalar) numbers = RowArray<float>(level.rows, level.stride);
-  level.passed = RowArray<float>(Bands::kMost, SheetScratch<float>::kPassed * level.stride);
+  level.passed = RowArray<float>(scratch_count(), SheetScratch<float>::kPassed * level.stride);
   for (auto* rows_of : {&level.r, &level.z, &level.y}) *rows_of = XyzArray<float>(level.rows, level.stride);
+  level.line = (cols + kMargin - 1) / kMargin * kMargin + 4 * kMargin;
+  level.space = RowArray<float>(scratch_count(), CoarseKernels::kSpace * level.line);
   level.mass.resize(level.rows, level.cols);
   level.bending.resize(level.rows, level.cols);
   return level;
@@ -237,19 +236,20 @@ void SheetMultigrid::refresh(const SheetShape<float>& shape, const SheetMatrix& 
                              const std::vector<Extra>& extra) {
   for (size_t k = 0; k < levels_.size(); ++k) {
     bands_below(k).run([&](const RowBand& rows, int scratch) {
-      float* space = space_.data() + scratch * CoarseKernels::kSpace * line_;
-      if (k == 0) return kernels_.coarsen_sheet(shape, matrix, grids_[0], space, line_, rows);
-      kernels_.coarsen(grids_[k - 1], grids_[k], space, line_, rows);
+      Level& level = levels_[k];
+      float* space = level.space.data() + scratch * CoarseKernels::kSpace * level.line;
+      if (k == 0) return kernels_.coarsen_sheet(shape, matrix, grids_[0], space, level.line, rows);
+      kernels_.coarsen(grids_[k - 1], grids_[k], space, level.line, rows);
     });
   }
-  for (Level& level : levels_) {
-    if (has_extra_) level.extra.clear();
+  for (float* block : patched_) {
+    for (int k = 0; k < kBlock; ++k) block[k * kernels_.width] = 0.0f;
   }
-  has_extra_ = !shore_.empty() || !extra.empty();
+  patched_.clear();
   hold(matrix);
   for (const Extra& e : extra) spread(e.node, e.block);
   for (size_t k = 0; k < levels_.size(); ++k) {
-    grids_[k].extra = has_extra_ ? levels_[k].extra.data() : nullptr;
+    grids_[k].extra = patched_.empty() ? nullptr : levels_[k].extra.data();
     const BandLoop bands = bands_of(k);
     bands.run([&](const RowBand& rows, int) { kernels_.add_scalars(grids_[k], rows); });
     bands.run([&](const RowBand& rows, int) { kernels_.find_diagonal(grids_[k], rows); });
@@ -305,6 +305,7 @@ void SheetMultigrid::spread(int node, const std::array<float, kBlock>& block) {
         const int lane = (c + right) % width;
         float* to = level.extra.data() + kBlock * ((r + down) * level.stride + c + right - lane) + lane;
         for (size_t k = 0; k < kBlock; ++k) to[static_cast<int>(k) * width] += static_cast<float>(weight) * block[k];
+        patched_.push_back(to);
       }
     }
   }

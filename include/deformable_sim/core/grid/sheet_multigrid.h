@@ -54,15 +54,17 @@ class SheetMultigrid {
     int rows, cols;
     bool halves_rows, halves_cols;
     Stencil mass, bending;
-    std::ptrdiff_t stride;
-    RowArray<float> links, ground, inverse, extra, free, scalar_sum, passed;
+    std::ptrdiff_t stride, line;  // line: see CoarseKernels::coarsen_sheet()
+    RowArray<float> links, ground, inverse, extra, free, scalar_sum;
+    RowArray<float> passed, space;  // a row a band
     std::array<RowArray<float>, CoarseGrid::kLinks> scalar;
     XyzArray<float> r, z, y;
     CoarseGrid grid();
   };
 
   void coarsen_finest(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free);
-  static Level below(int rows, int cols);
+  Level below(int rows, int cols) const;
+  int scratch_count() const { return workers_ != nullptr ? Bands::kMost : 1; }
   void add(Level level);
   void find_shore(const std::vector<char>& free);
   void hold(const SheetMatrix& matrix);
@@ -84,15 +86,14 @@ class SheetMultigrid {
   int rows_, cols_;
   Bands bands_;  // of the finest grid
   const Workers* workers_;
-  std::ptrdiff_t stride_, line_;
+  std::ptrdiff_t stride_;
   RowArray<float> fine_free_;
-  RowArray<float> space_;  // one a band, and so here
-  XyzArray<float> row_;
+  XyzArray<float> row_;  // a row a band
   std::vector<Level> levels_;
   std::vector<CoarseGrid> grids_;
   std::vector<int> shore_;  // held nodes next to free ones
   double inertia_ = 0.0, bending_ = 0.0;
-  bool has_extra_ = false;
+  std::vector<float*> patched_;  // blocks of Level::extra that are not zero; some twice
 
   // Coarsest.
   int size_ = 0, padded_ = 0;  // numbers: three a node
