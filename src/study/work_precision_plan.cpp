@@ -35,7 +35,7 @@ std::vector<LinearSolver> solvers_for(const Case& c, study::Effort effort) {
   if (c.features.kind == "rope") solvers.push_back({"banded", 0.0, 0});
   if (c.features.kind != "rope") {
     solvers.push_back({"multigrid", 0.1, 50});
-    if (!quick) solvers.insert(solvers.end(), {{"multigrid", 0.1, 3}, {"multigrid", 0.01, 50}});
+    if (!quick) solvers.insert(solvers.end(), {{"multigrid", 0.3, 2}, {"multigrid", 0.1, 3}, {"multigrid", 0.01, 50}});
   }
   return solvers;
 }
