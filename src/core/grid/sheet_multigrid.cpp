@@ -140,6 +140,8 @@ SheetMultigrid::Level SheetMultigrid::below(int rows, int cols) const {
   for (auto* rows_of : {&level.r, &level.z, &level.y}) *rows_of = XyzArray<float>(level.rows, level.stride);
   level.line = (cols + kMargin - 1) / kMargin * kMargin + 4 * kMargin;
   level.space = RowArray<float>(scratch_count(), CoarseKernels::kSpace * level.line);
+  level.is_patched.assign(static_cast<size_t>(level.rows * level.cols), 0);
+  level.patched.reserve(level.is_patched.size());
   level.mass.resize(level.rows, level.cols);
   level.bending.resize(level.rows, level.cols);
   return level;
@@ -242,19 +244,38 @@ void SheetMultigrid::refresh(const SheetShape<float>& shape, const SheetMatrix& 
       kernels_.coarsen(grids_[k - 1], grids_[k], space, level.line, rows);
     });
   }
-  for (float* block : patched_) {
-    for (int k = 0; k < kBlock; ++k) block[k * kernels_.width] = 0.0f;
-  }
-  patched_.clear();
-  hold(matrix);
-  for (const Extra& e : extra) spread(e.node, e.block);
   for (size_t k = 0; k < levels_.size(); ++k) {
-    grids_[k].extra = patched_.empty() ? nullptr : levels_[k].extra.data();
-    const BandLoop bands = bands_of(k);
-    bands.run([&](const RowBand& rows, int) { kernels_.add_scalars(grids_[k], rows); });
-    bands.run([&](const RowBand& rows, int) { kernels_.find_diagonal(grids_[k], rows); });
+    bands_of(k).run([&](const RowBand& rows, int) { kernels_.add_scalars(grids_[k], rows); });
+  }
+  find_ground(matrix, extra);
+  for (size_t k = 0; k < levels_.size(); ++k) {
+    grids_[k].extra = levels_[k].patched.empty() ? nullptr : levels_[k].extra.data();
+    bands_of(k).run([&](const RowBand& rows, int) { kernels_.find_diagonal(grids_[k], rows); });
   }
   factorise();
+}
+
+/// Level::extra of all grids.
+void SheetMultigrid::find_ground(const SheetMatrix& matrix, const std::vector<Extra>& extra) {
+  for (Level& level : levels_) {
+    for (int node : level.patched) {
+      float* block = level.extra_of(node, kernels_.width);
+      for (int k = 0; k < kBlock; ++k) block[k * kernels_.width] = 0.0f;
+      level.is_patched[static_cast<size_t>(node)] = 0;
+    }
+    level.patched.clear();
+  }
+  hold(matrix);
+  for (const Extra& e : extra) spread(0, e.node, cols_, e.block);
+  for (size_t k = 1; k < levels_.size(); ++k) {
+    Level& above = levels_[k - 1];
+    for (int node : above.patched) {
+      const float* p = above.extra_of(node, kernels_.width);
+      std::array<float, kBlock> block;
+      for (size_t e = 0; e < kBlock; ++e) block[e] = p[static_cast<int>(e) * kernels_.width];
+      spread(k, node, above.cols, block);
+    }
+  }
 }
 
 /// The springs of held nodes, as ground beneath them.
@@ -286,29 +307,30 @@ void SheetMultigrid::hold(const SheetMatrix& matrix) {
       two(row, col - 2, 0);
       two(row - 2, col, 1);
     }
-    spread(node, sum);
+    spread(0, node, cols_, sum);
   }
 }
 
-/// To the diagonals of all grids: P^T X P, lumped.
-void SheetMultigrid::spread(int node, const std::array<float, kBlock>& block) {
-  const int width = kernels_.width;
-  double row = node / cols_, col = node % cols_;
-  for (Level& level : levels_) {
-    if (level.halves_rows) row *= 0.5;
-    if (level.halves_cols) col *= 0.5;
-    const int r = static_cast<int>(row), c = static_cast<int>(col);
-    for (int down = 0; down < 2; ++down) {
-      for (int right = 0; right < 2; ++right) {
-        const double weight = (down == 0 ? 1.0 - (row - r) : row - r) * (right == 0 ? 1.0 - (col - c) : col - c);
-        if (weight == 0.0) continue;
-        const int lane = (c + right) % width;
-        float* to = level.extra.data() + kBlock * ((r + down) * level.stride + c + right - lane) + lane;
-        for (size_t k = 0; k < kBlock; ++k) to[static_cast<int>(k) * width] += static_cast<float>(weight) * block[k];
-        patched_.push_back(to);
-      }
+/// From a node of the grid above to the diagonal of a grid: P^T X P, lumped.
+void SheetMultigrid::spread(size_t to, int node, int cols, const std::array<float, kBlock>& block) {
+  Level& level = levels_[to];
+  const Parents r = parents(node / cols, level.halves_rows), c = parents(node % cols, level.halves_cols);
+  for (int a = 0; a < r.count; ++a) {
+    for (int b = 0; b < c.count; ++b) {
+      const int parent = r.node[a] * level.cols + c.node[b];
+      char& known = level.is_patched[static_cast<size_t>(parent)];
+      if (known == 0) level.patched.push_back(parent);
+      known = 1;
+      const auto weight = static_cast<float>(r.weight[a] * c.weight[b]);
+      float* sum = level.extra_of(parent, kernels_.width);
+      for (size_t k = 0; k < kBlock; ++k) sum[static_cast<int>(k) * kernels_.width] += weight * block[k];
     }
   }
+}
+
+float* SheetMultigrid::Level::extra_of(int node, int width) {
+  const int col = node % cols, lane = col % width;
+  return extra.data() + kBlock * (node / cols * stride + col - lane) + lane;
 }
 
 /// Of the coarsest operator; links as they are, so that what they say of a common motion is nothing but rounding.

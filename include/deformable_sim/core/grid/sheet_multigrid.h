@@ -59,7 +59,10 @@ class SheetMultigrid {
     RowArray<float> passed, space;  // a row a band
     std::array<RowArray<float>, CoarseGrid::kLinks> scalar;
     XyzArray<float> r, z, y;
+    std::vector<int> patched;  // nodes whose block of `extra` is not zero
+    std::vector<char> is_patched;
     CoarseGrid grid();
+    float* extra_of(int node, int width);
   };
 
   void coarsen_finest(const GridSheet& sheet, const std::vector<double>& mass, const std::vector<char>& free);
@@ -67,8 +70,9 @@ class SheetMultigrid {
   int scratch_count() const { return workers_ != nullptr ? Bands::kMost : 1; }
   void add(Level level);
   void find_shore(const std::vector<char>& free);
+  void find_ground(const SheetMatrix& matrix, const std::vector<Extra>& extra);
   void hold(const SheetMatrix& matrix);
-  void spread(int node, const std::array<float, CoarseGrid::kBlock>& block);
+  void spread(size_t to, int node, int cols, const std::array<float, CoarseGrid::kBlock>& block);
   void factorise();
   void solve_coarsest(Level* level);
   void restrict_to_level(size_t level, Xyz<float> fine, Xyz<float> coarse);
@@ -93,7 +97,6 @@ class SheetMultigrid {
   std::vector<CoarseGrid> grids_;
   std::vector<int> shore_;  // held nodes next to free ones
   double inertia_ = 0.0, bending_ = 0.0;
-  std::vector<float*> patched_;  // blocks of Level::extra that are not zero; some twice
 
   // Coarsest.
   int size_ = 0, padded_ = 0;  // numbers: three a node
