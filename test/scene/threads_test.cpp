@@ -1,5 +1,8 @@
 // The bits of a result do not depend on the number of threads.
+#include <memory>
+#include <ostream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -15,6 +18,8 @@ struct Case {
   const char* name;
   std::string step, bodies, rest;
   int steps;
+
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.step << "\n" << c.bodies << c.rest; }
 };
 
 std::string sheet(const char* name, int nodes_x, int nodes_y, const std::string& more) {
