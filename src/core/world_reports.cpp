@@ -124,6 +124,13 @@ std::string solver_name(const SolverSettings& settings, const Integrator& integr
   return "conjugate gradient";
 }
 
+/// Nothing for one thread; else on how many there was something to do.
+std::string threads_text(const Workers* workers) {
+  if (workers == nullptr) return "";
+  const std::string all = std::to_string(workers->threads()) + " threads";
+  return workers->have_shared() ? ", on " + all : ", on 1 of " + all + ": nothing to share";
+}
+
 // m/s^2, about twice gravity: fast slack cloth misses the Newton tolerance at most steps without showing; see ~status.
 constexpr double kNotableResidual = 20.0;
 
@@ -247,7 +254,7 @@ std::vector<BillItem> World::bill() const {
   const int angles = w.model->angle_count;
   bill.push_back({w.integrator->name(),
                   std::to_string(w.model->point_count()) + " nodes" +
-                      (angles > 0 ? ", " + std::to_string(angles) + " angles" : ""),
+                      (angles > 0 ? ", " + std::to_string(angles) + " angles" : "") + threads_text(w.workers.get()),
                   std::max(0.0, cost.integrate - cost.assembly - cost.solve) / total});
   if (w.limiter) bill.push_back({"strain limits", std::to_string(w.limiter->count()) + " limits", cost.limits / total});
   if (w.contacts)

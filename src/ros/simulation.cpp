@@ -347,7 +347,7 @@ std::string Simulation::description() const {
   if (!scene_.spec.title.empty()) text << "\ntitle: " << scene_.spec.title;
   text << "\nclock: " << to_string(parameters_.clock) << "\ntime: " << world.time()
        << " s\nsteps: " << world.step_count() << "\nstep: " << world.settings().dt << " s, "
-       << world.settings().integrator
+       << world.settings().integrator << "\nthreads: " << world.settings().threads
        << "\nsolver: " << (world.settings().chosen.empty() ? "as the scene says" : world.settings().chosen)
        << "\nstate: "
        << (!failure_.empty() ? "failed: " + failure_

@@ -33,9 +33,10 @@ Outcome run(const std::string& arguments) {
 }
 
 TEST(Simulate, RefusesBadArgumentsWithCode2AndUsage) {
-  for (const char* arguments : {"", "--seconds", "--seconds 0 minimal", "--seconds nan minimal", "--seconds -1 minimal",
-                                "--seconds 1x minimal", "--every 0 minimal", "--format xyz minimal",
-                                "--frobnicate minimal", "minimal flag", "--set =1 minimal", "--set gravity minimal"}) {
+  for (const char* arguments :
+       {"", "--seconds", "--seconds 0 minimal", "--seconds nan minimal", "--seconds -1 minimal", "--seconds 1x minimal",
+        "--every 0 minimal", "--format xyz minimal", "--frobnicate minimal", "--threads 0 minimal",
+        "--threads 65 minimal", "--threads two minimal", "minimal flag", "--set =1 minimal", "--set gravity minimal"}) {
     const Outcome outcome = run(std::string(arguments) + " 2>&1");
     EXPECT_EQ(outcome.code, 2) << arguments;
     EXPECT_NE(outcome.out.find("usage: simulate"), std::string::npos) << arguments << "\n" << outcome.out;

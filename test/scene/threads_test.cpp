@@ -1,8 +1,12 @@
 // The bits of a result do not depend on the number of threads.
+#include <memory>
+#include <ostream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "deformable_sim/core/error.h"
 #include "deformable_sim/scene/build.h"
 #include "deformable_sim/scene/load.h"
 #include "support/four_threads.h"
@@ -14,6 +18,8 @@ struct Case {
   const char* name;
   std::string step, bodies, rest;
   int steps;
+
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.step << "\n" << c.bodies << c.rest; }
 };
 
 std::string sheet(const char* name, int nodes_x, int nodes_y, const std::string& more) {
@@ -82,6 +88,31 @@ TEST_P(ThreadsOf, MoveToTheSameBits) {
 }
 INSTANTIATE_TEST_SUITE_P(, ThreadsOf, testing::ValuesIn(cases()),
                          [](const auto& info) { return std::string(info.param.name); });
+
+std::string scheme_detail(const std::string& bodies, int threads) {
+  const std::unique_ptr<World> world = build_world(
+      load_scene_text("step: {solver: manual, integrator: bdf2, linear_solver: multigrid}\nbodies:\n" + bodies, "test"),
+      threads);
+  EXPECT_TRUE(world->step().ok);
+  for (const BillItem& item : world->bill()) {
+    if (item.part == "bdf2") return item.detail;
+  }
+  return "no line";
+}
+
+TEST(Threads, AreNamedInTheBillWithWhatTheyFoundToDo) {
+  // A sheet that is large enough, one that is not, and one thread.
+  const test::FourThreads allowed;
+  EXPECT_EQ(scheme_detail(sheet("large", 61, 75, kHanging), 3), "4575 nodes, on 3 threads");
+  EXPECT_EQ(scheme_detail(sheet("small", 11, 9, kHanging), 3), "99 nodes, on 1 of 3 threads: nothing to share");
+  EXPECT_EQ(scheme_detail(sheet("small", 11, 9, kHanging), 1), "99 nodes");
+}
+
+TEST(Threads, AreRefusedOutsideTheirRange) {
+  // 1 ... 64.
+  const SceneSpec scene = load_scene_text("bodies:\n" + sheet("small", 11, 9, kHanging), "test");
+  for (int threads : {0, 65}) EXPECT_THROW(build_world(scene, threads), InputError);
+}
 
 }  // namespace
 }  // namespace deformable_sim

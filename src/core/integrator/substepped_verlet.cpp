@@ -67,7 +67,8 @@ class SubsteppedVerlet : public Integrator {
         for (int k = 0; k < grid.node_count(); ++k) {
           sheet_of_[static_cast<size_t>(grid.first_node + k)] = static_cast<int>(sheets_.size());
         }
-        sheets_.push_back(std::make_unique<SheetMotion<Real>>(grid, *d.mass, d.kinematics.node, simd_level(), d.workers));
+        sheets_.push_back(
+            std::make_unique<SheetMotion<Real>>(grid, *d.mass, d.kinematics.node, simd_level(), d.workers));
         in_rows.insert(in_rows.end(), grid.replaces.begin(), grid.replaces.end());
       }
     }

@@ -44,6 +44,7 @@ struct Workers::Team {
   tbb::task_arena arena;
   int count;  // of threads, the caller's among them
 
+  bool has_shared = false;
   bool in_shift = false;                      // the caller's
   std::atomic<bool> open{false};              // there is work in this shift
   std::atomic<int> called{0};                 // other threads that are there, or have been asked to come
@@ -96,12 +97,17 @@ Workers::Workers(int threads) : threads_(std::min(threads, most_at_once())) {
 
 Workers::~Workers() = default;
 
+bool Workers::have_shared() const {
+  return team_ != nullptr && team_->has_shared;
+}
+
 void Workers::run(const Loop& loop) const {
   Team& team = *team_;
   if (team.busy.exchange(true)) {  // within a piece
     for (int k = 0; k < loop.pieces; ++k) loop.piece(loop.work, k);
     return;
   }
+  team.has_shared = true;
   if (team.in_shift && !team.open) call_others();
   for (int k = 0; k < team.count; ++k) {
     Team::Share& share = team.shares[static_cast<size_t>(k)];

@@ -31,29 +31,37 @@ class Bands {
   int rows_, count_;
 };
 
-/// Loops over bands: by workers, each band by itself, or on one thread, one after the other.
+/// Loops over bands: on one thread one after the other, by workers several runs of neighbouring bands at a time, two
+/// for each thread. Within a run nothing is reckoned twice.
 class BandLoop {
  public:
   /// workers: null is one thread.
   BandLoop(const Bands& bands, const Workers* workers)
-      : bands_(bands), workers_(bands.count() > 1 ? workers : nullptr) {}
+      : bands_(bands),
+        workers_(bands.count() > 1 ? workers : nullptr),
+        runs_(bands.count(), workers_ != nullptr ? std::min(2 * workers_->threads(), bands.count()) : 1) {}
 
   int count() const { return bands_.count(); }
-  /// Whether bands are worked on at the same time, each with scratch of its own.
+  /// Whether bands are worked on at the same time, each run with scratch of its own.
   bool apart() const { return workers_ != nullptr; }
-  int scratch_count() const { return apart() ? count() : 1; }
+  int scratch_count() const { return runs_.count(); }
 
-  /// work(rows, scratch) for all rows, `scratch` counted; one thread takes all rows at once.
+  /// work(rows, scratch) for all rows, `scratch` counted; a run is one band here.
   template <class Work>
   void run(const Work& work) const {
-    if (workers_ == nullptr) return work(RowBand{0, bands_.rows(), true}, 0);
-    workers_->for_each(count(), [&](int k) { work(RowBand{bands_.first(k), bands_.end(k), false}, k); });
+    if (workers_ == nullptr) return work(RowBand{0, bands_.rows(), false, true}, 0);
+    workers_->for_each(runs_.count(), [&](int r) {
+      work(RowBand{bands_.first(runs_.first(r)), bands_.first(runs_.end(r)), false, false}, r);
+    });
   }
-  /// work(band, rows, scratch), band by band on one thread too.
+  /// work(band, rows, scratch), band by band.
   template <class Work>
   void run_each(const Work& work) const {
-    if (workers_ != nullptr) return run([&](const RowBand& rows, int k) { work(k, rows, k); });
-    for (int k = 0; k < count(); ++k) work(k, RowBand{bands_.first(k), bands_.end(k), true}, 0);
+    for_each_piece(workers_, runs_.count(), [&](int r) {
+      for (int k = runs_.first(r); k < runs_.end(r); ++k) {
+        work(k, RowBand{bands_.first(k), bands_.end(k), k > runs_.first(r), workers_ == nullptr}, r);
+      }
+    });
   }
   /// The sum of work(rows, scratch) of all bands, in their order.
   template <class Work>
@@ -68,6 +76,7 @@ class BandLoop {
  private:
   Bands bands_;
   const Workers* workers_;  // null also where there is but one band
+  Bands runs_;              // of bands
 };
 
 }  // namespace deformable_sim

@@ -36,9 +36,10 @@ struct SheetShape {
 /// Rows first ... end - 1 of a grid: what one call of a loop works on.
 struct RowBand {
   int first, end;
-  /// The rows before were done just now with the same scratch, and those ahead may be written: nothing is done twice.
-  /// Else other bands are being worked on at the same time.
-  bool in_turn;
+  /// The rows before were done just now with the same scratch, which holds what they pass on.
+  bool goes_on;
+  /// No other band is being worked on: rows ahead may be written.
+  bool alone;
 };
 
 /// Three arrays, one a coordinate, each pointing at node (0, 0).

@@ -66,7 +66,7 @@ struct StageKernels {
   /// x, v and y = x + bending_damping v from columns of points.
   void (*load)(const SheetShape<double>&, const double* points, const double* velocities, Xyz<double> x, Xyz<double> v,
                Xyz<double> y);
-  /// v and y of SheetResidual; to be called for all bands before residual() where these are not in turn.
+  /// v and y of SheetResidual; to be called for all bands before residual() where these are not alone.
   void (*rates)(const SheetShape<double>&, const SheetResidual&, const RowBand&);
   SheetResidualSums (*residual)(const SheetShape<double>&, const SheetResidual&, const SheetScratch<double>&,
                                 const RowBand&);
@@ -75,13 +75,13 @@ struct StageKernels {
                   const RowBand&);
   void (*narrow)(const SheetShape<double>&, Xyz<double> from, Xyz<float> to, const RowBand&);
 
-  /// Springs and inverse diagonal blocks of the matrix at x: of a band in turn both, of others springs only.
+  /// Springs and inverse diagonal blocks of the matrix at x: of a band alone both, of others springs only.
   void (*linearise)(const SheetShape<float>&, Xyz<float> x, const SheetMatrix&, const RowBand&);
   /// The blocks, once the springs of all bands are there.
   void (*find_blocks)(const SheetShape<float>&, const SheetMatrix&, const RowBand&);
   /// p = z + beta p.
   void (*turn)(const SheetShape<float>&, Xyz<float> z, float beta, Xyz<float> p, const RowBand&);
-  /// y = A p, before that turn() of a band in turn; returns p . y.
+  /// y = A p, before that turn() of a band alone; returns p . y.
   double (*multiply)(const SheetShape<float>&, const SheetMatrix&, Xyz<float> z, float beta, Xyz<float> p, Xyz<float> y,
                      const RowBand&);
   /// z = omega D^-1 r.

@@ -29,6 +29,8 @@ class Workers {
   Workers& operator=(const Workers&) = delete;
 
   int threads() const { return threads_; }
+  /// Whether any loop has been shared so far.
+  bool have_shared() const;
 
   /// work(k) once for every k = 0 ... pieces - 1, in any order and several at a time; returns when all are done. From
   /// within a piece: one by one. Throws what a piece throws; others may then be left out.
