@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "deformable_sim/core/grid/line_kernels.h"
+#include "deformable_sim/core/grid/mesh_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
 
@@ -53,6 +54,8 @@ static inline Double8 length_ratio(double half_length, Double8 a) {
 #include "sheet_kernels.inc"
 
 #include "motion_kernels.inc"
+
+#include "mesh_kernels.inc"
 
 #include "residual_kernels.inc"
 

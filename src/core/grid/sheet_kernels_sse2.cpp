@@ -7,6 +7,7 @@
 #endif
 
 #include "deformable_sim/core/grid/line_kernels.h"
+#include "deformable_sim/core/grid/mesh_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
 
@@ -62,6 +63,8 @@ static inline Double2 length_ratio(double half_length, Double2 a) {
 #include "sheet_kernels.inc"
 
 #include "motion_kernels.inc"
+
+#include "mesh_kernels.inc"
 
 #include "residual_kernels.inc"
 

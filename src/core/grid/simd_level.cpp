@@ -3,6 +3,7 @@
 #include <string>
 
 #include "deformable_sim/core/grid/line_kernels.h"
+#include "deformable_sim/core/grid/mesh_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
 
@@ -13,6 +14,8 @@ namespace deformable_sim {
   extern const SheetKernels sheet_kernels;             \
   extern const MotionKernels<float> motion_kernels_f;  \
   extern const MotionKernels<double> motion_kernels_d; \
+  extern const MeshKernels<float> mesh_kernels_f;      \
+  extern const MeshKernels<double> mesh_kernels_d;     \
   extern const StageKernels stage_kernels;             \
   extern const LineKernels<float> line_kernels_f;      \
   extern const LineKernels<double> line_kernels_d;     \
@@ -71,6 +74,14 @@ const MotionKernels<double>& motion_kernels(SimdLevel level, double) {
   if (level == SimdLevel::kAvx512) return simd_avx512::motion_kernels_d;
   return level == SimdLevel::kAvx2 ? simd_avx2::motion_kernels_d : simd_sse2::motion_kernels_d;
 }
+const MeshKernels<float>& mesh_kernels(SimdLevel level, float) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::mesh_kernels_f;
+  return level == SimdLevel::kAvx2 ? simd_avx2::mesh_kernels_f : simd_sse2::mesh_kernels_f;
+}
+const MeshKernels<double>& mesh_kernels(SimdLevel level, double) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::mesh_kernels_d;
+  return level == SimdLevel::kAvx2 ? simd_avx2::mesh_kernels_d : simd_sse2::mesh_kernels_d;
+}
 const StageKernels& stage_kernels(SimdLevel level) {
   if (level == SimdLevel::kAvx512) return simd_avx512::stage_kernels;
   return level == SimdLevel::kAvx2 ? simd_avx2::stage_kernels : simd_sse2::stage_kernels;
@@ -95,6 +106,12 @@ const MotionKernels<double>& motion_kernels(SimdLevel, double) {
 }
 const MotionKernels<float>& motion_kernels(SimdLevel, float) {
   return simd_sse2::motion_kernels_f;
+}
+const MeshKernels<double>& mesh_kernels(SimdLevel, double) {
+  return simd_sse2::mesh_kernels_d;
+}
+const MeshKernels<float>& mesh_kernels(SimdLevel, float) {
+  return simd_sse2::mesh_kernels_f;
 }
 const StageKernels& stage_kernels(SimdLevel) {
   return simd_sse2::stage_kernels;
