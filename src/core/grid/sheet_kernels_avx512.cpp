@@ -8,6 +8,7 @@
 #include "deformable_sim/core/grid/mesh_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
+#include "deformable_sim/core/linear/packet_kernels.h"
 
 namespace deformable_sim {
 namespace simd_avx512 {
@@ -56,6 +57,8 @@ static inline Double8 length_ratio(double half_length, Double8 a) {
 #include "motion_kernels.inc"
 
 #include "mesh_kernels.inc"
+
+#include "../linear/packet_kernels.inc"
 
 #include "residual_kernels.inc"
 

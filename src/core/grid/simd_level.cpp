@@ -6,6 +6,7 @@
 #include "deformable_sim/core/grid/mesh_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
+#include "deformable_sim/core/linear/packet_kernels.h"
 
 namespace deformable_sim {
 
@@ -17,6 +18,7 @@ namespace deformable_sim {
   extern const MeshKernels<float> mesh_kernels_f;      \
   extern const MeshKernels<double> mesh_kernels_d;     \
   extern const StageKernels stage_kernels;             \
+  extern const PacketKernels packet_kernels;           \
   extern const LineKernels<float> line_kernels_f;      \
   extern const LineKernels<double> line_kernels_d;     \
   }
@@ -82,6 +84,10 @@ const MeshKernels<double>& mesh_kernels(SimdLevel level, double) {
   if (level == SimdLevel::kAvx512) return simd_avx512::mesh_kernels_d;
   return level == SimdLevel::kAvx2 ? simd_avx2::mesh_kernels_d : simd_sse2::mesh_kernels_d;
 }
+const PacketKernels& packet_kernels(SimdLevel level) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::packet_kernels;
+  return level == SimdLevel::kAvx2 ? simd_avx2::packet_kernels : simd_sse2::packet_kernels;
+}
 const StageKernels& stage_kernels(SimdLevel level) {
   if (level == SimdLevel::kAvx512) return simd_avx512::stage_kernels;
   return level == SimdLevel::kAvx2 ? simd_avx2::stage_kernels : simd_sse2::stage_kernels;
@@ -112,6 +118,9 @@ const MeshKernels<double>& mesh_kernels(SimdLevel, double) {
 }
 const MeshKernels<float>& mesh_kernels(SimdLevel, float) {
   return simd_sse2::mesh_kernels_f;
+}
+const PacketKernels& packet_kernels(SimdLevel) {
+  return simd_sse2::packet_kernels;
 }
 const StageKernels& stage_kernels(SimdLevel) {
   return simd_sse2::stage_kernels;

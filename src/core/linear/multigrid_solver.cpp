@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "deformable_sim/core/linear/aggregation_multigrid.h"
+#include "deformable_sim/core/linear/packet_kernels.h"
 #include "deformable_sim/core/linear/row_order.h"
 
 namespace deformable_sim {
@@ -55,7 +56,7 @@ std::vector<int> breadth_first(const BlockMatrix& a) {
 
 class Solver : public MultigridSolver {
  public:
-  Solver() : kernels_(block_kernels(simd_level())), coarse_(kernels_) {}
+  Solver() : kernels_(block_kernels(simd_level())), packets_(packet_kernels(simd_level())), coarse_(kernels_) {}
 
   void set_links(const std::vector<const ConstantLinks*>& links, double tau, const std::vector<int>& held) override {
     links_ = links;
@@ -118,30 +119,63 @@ class Solver : public MultigridSolver {
     for (size_t p = 0; p < n; ++p) position_[static_cast<size_t>(node_[p])] = static_cast<int>(p);
     held_.assign(n, 0);
     for (int node : held_nodes_) held_[static_cast<size_t>(position_[static_cast<size_t>(node)])] = 1;
+    pack_blocks(a);
+    const auto padded = static_cast<Eigen::Index>(packets()) * packets_.width;
+    inverse_.assign(static_cast<size_t>(6 * padded), 0.0f);
+    weight_.resize(n);
+    for (AxisValues* values : {&row_sum_, &refreshed_}) values->setZero(4, padded);
+    for (PaddedNodes* m : {&r_, &z_, &p_, &q_, &t_, &correction_, &sum_}) m->setZero(4, padded);
+  }
+
+  int packets() const { return (static_cast<int>(node_.size()) + packets_.width - 1) / packets_.width; }
+  /// Where numbers by lanes of a position lie.
+  size_t lane_place(int position) const {
+    const int offset = position % packets_.width;
+    return static_cast<size_t>(position - offset + packet_lane(offset, packets_.width));
+  }
+  template <class Length>
+  static size_t longest_of(int first, int last, const Length& length) {
+    size_t longest = 0;
+    for (int p = first; p < last; ++p) longest = std::max(longest, length(p));
+    return longest;
+  }
+
+  /// Rows of blocks in packets, the diagonal first.
+  void pack_blocks(const BlockMatrix& a) {
+    const int width = packets_.width, n = a.rows();
     start_.assign(1, 0);
     place_.clear();
     slot_.clear();
-    diagonal_.resize(n);
+    const auto length = [&](int p) {
+      const auto i = static_cast<size_t>(node_[static_cast<size_t>(p)]);
+      return static_cast<size_t>(a.row_start()[i + 1] - a.row_start()[i]);
+    };
     std::vector<std::array<int, 2>> row;
-    for (size_t p = 0; p < n; ++p) {
-      const auto i = static_cast<size_t>(node_[p]);
-      row.clear();
-      for (int k = a.row_start()[i]; k < a.row_start()[i + 1]; ++k) {
-        row.push_back({position_[static_cast<size_t>(a.column()[static_cast<size_t>(k)])], k});
+    for (int first = 0; first < packets() * width; first += width) {
+      const auto before = place_.size();
+      const size_t longest = longest_of(first, std::min(first + width, n), length);
+      start_.push_back(start_.back() + static_cast<int>(longest));
+      place_.resize(before + longest * static_cast<size_t>(width));
+      slot_.resize(place_.size(), -1);
+      for (int p = first; p < first + width; ++p) {
+        const auto lane = before + lane_place(p) - static_cast<size_t>(first);
+        for (size_t k = 0; k < longest; ++k) place_[lane + k * static_cast<size_t>(width)] = 4 * p;
+        if (p >= n) continue;
+        row.clear();
+        const int i = node_[static_cast<size_t>(p)];
+        for (int k = a.row_start()[static_cast<size_t>(i)]; k < a.row_start()[static_cast<size_t>(i) + 1]; ++k) {
+          const int column = a.column()[static_cast<size_t>(k)];
+          row.push_back({column == i ? -1 : position_[static_cast<size_t>(column)], k});
+        }
+        std::sort(row.begin(), row.end());
+        for (size_t k = 0; k < row.size(); ++k) {
+          const size_t at = lane + k * static_cast<size_t>(width);
+          if (row[k][0] >= 0) place_[at] = 4 * row[k][0];
+          slot_[at] = row[k][1];
+        }
       }
-      std::sort(row.begin(), row.end());
-      for (const auto& [column, slot] : row) {
-        if (column == static_cast<int>(p)) diagonal_[p] = static_cast<int>(place_.size());
-        place_.push_back(4U * static_cast<unsigned>(column));
-        slot_.push_back(slot);
-      }
-      start_.push_back(static_cast<int>(place_.size()));
     }
-    blocks_.assign(9 * place_.size() + 3, 0.0f);
-    inverse_.assign(9 * n + 3, 0.0f);
-    weight_.resize(n);
-    for (AxisValues* values : {&row_sum_, &refreshed_}) values->setZero(4, a.rows());
-    for (PaddedNodes* m : {&r_, &z_, &p_, &q_, &t_, &correction_, &sum_}) m->setZero(4, a.rows());
+    blocks_.assign(9 * place_.size(), 0.0f);
   }
 
   void size_links(int rows) {
@@ -154,7 +188,7 @@ class Solver : public MultigridSolver {
   }
 
   void sort_by_length(const BlockMatrix& a) {
-    std::vector<int> kept(node_.size(), 3), length(node_.size());
+    std::vector<int> kept(node_.size(), 0), length(node_.size());
     for (const ConstantLinks* links : links_) {
       for (size_t row = 0; row < links->sum.size(); ++row) {
         int& count = kept[static_cast<size_t>(links->first_node + links->node[row])];
@@ -162,7 +196,7 @@ class Solver : public MultigridSolver {
       }
     }
     for (size_t i = 0; i < node_.size(); ++i) {
-      length[i] = 1024 * (a.row_start()[i + 1] - a.row_start()[i]) + kept[i] / 4;
+      length[i] = 1024 * (a.row_start()[i + 1] - a.row_start()[i]) + kept[i];
     }
     sort_in_windows([&](int i) { return length[static_cast<size_t>(i)]; }, &node_);
   }
@@ -184,7 +218,7 @@ class Solver : public MultigridSolver {
     link_place_.clear();
     link_stiffness_.clear();
     link_damping_.clear();
-    link_sum_.assign(static_cast<size_t>(rows), 0.0f);
+    link_sum_.assign(static_cast<size_t>(packets() * packets_.width), 1.0f);  // rows that do not exist keep it
     held_links_.assign(static_cast<size_t>(rows), {0.0f, 0.0f});
     if (links_.empty()) return;
     struct Link {
@@ -209,14 +243,27 @@ class Solver : public MultigridSolver {
       }
     }
     link_start_.assign(1, 0);
-    for (auto& row : by_row) {
-      row.resize((row.size() + 3) / 4 * 4, {0, 0.0f, 0.0f});
-      for (const Link& link : row) {
-        link_place_.push_back(4U * static_cast<unsigned>(link.column));
-        link_stiffness_.push_back(link.stiffness);
-        link_damping_.push_back(link.damping);
+    const int width = packets_.width;
+    for (int first = 0; first < packets() * width; first += width) {
+      const auto before = link_place_.size();
+      const size_t longest = longest_of(first, std::min(first + width, rows),
+                                        [&](int p) { return by_row[static_cast<size_t>(p)].size(); });
+      link_start_.push_back(link_start_.back() + static_cast<int>(longest));
+      link_place_.resize(before + longest * static_cast<size_t>(width));
+      link_stiffness_.resize(link_place_.size(), 0.0f);
+      link_damping_.resize(link_place_.size(), 0.0f);
+      for (int p = first; p < first + width; ++p) {
+        const auto lane = before + lane_place(p) - static_cast<size_t>(first);
+        for (size_t k = 0; k < longest; ++k) {
+          const size_t at = lane + k * static_cast<size_t>(width);
+          link_place_[at] = 4 * p;
+          if (p >= rows || k >= by_row[static_cast<size_t>(p)].size()) continue;
+          const Link& link = by_row[static_cast<size_t>(p)][k];
+          link_place_[at] = 4 * link.column;
+          link_stiffness_[at] = link.stiffness;
+          link_damping_[at] = link.damping;
+        }
       }
-      link_start_.push_back(static_cast<int>(link_place_.size()));
     }
     link_value_.resize(link_place_.size());
   }
@@ -225,9 +272,14 @@ class Solver : public MultigridSolver {
   void scale_links() {
     const auto rate = static_cast<float>(1.0 / link_tau_);
     for (size_t k = 0; k < link_value_.size(); ++k) link_value_[k] = link_stiffness_[k] + rate * link_damping_[k];
-    for (size_t p = 0; p + 1 < link_start_.size(); ++p) {
-      link_sum_[p] = held_links_[p][0] + rate * held_links_[p][1];
-      for (int k = link_start_[p]; k < link_start_[p + 1]; ++k) link_sum_[p] += link_value_[static_cast<size_t>(k)];
+    const auto width = static_cast<size_t>(packets_.width);
+    for (size_t p = 0; p < held_links_.size(); ++p) {
+      link_sum_[lane_place(static_cast<int>(p))] = held_links_[p][0] + rate * held_links_[p][1];
+    }
+    for (size_t packet = 0; packet + 1 < link_start_.size(); ++packet) {
+      for (auto k = static_cast<size_t>(link_start_[packet]); k < static_cast<size_t>(link_start_[packet + 1]); ++k) {
+        for (size_t lane = 0; lane < width; ++lane) link_sum_[packet * width + lane] += link_value_[k * width + lane];
+      }
     }
   }
 
@@ -243,9 +295,10 @@ class Solver : public MultigridSolver {
     std::vector<Eigen::Triplet<double>> entries;
     for (int p = 0; p < a.rows(); ++p) {
       double degree = 0.0;
-      for (int k = start_[static_cast<size_t>(p)]; k < start_[static_cast<size_t>(p) + 1]; ++k) {
-        const auto column = static_cast<int>(place_[static_cast<size_t>(k)] / 4);
-        const double weight = kWeight * a.block(slot_[static_cast<size_t>(k)]).norm();
+      const auto i = static_cast<size_t>(node_[static_cast<size_t>(p)]);
+      for (int k = a.row_start()[i]; k < a.row_start()[i + 1]; ++k) {
+        const int column = position_[static_cast<size_t>(a.column()[static_cast<size_t>(k)])];
+        const double weight = kWeight * a.block(k).norm();
         if (column == p || weight == 0.0) continue;
         degree += weight;
         entries.emplace_back(p, column, -weight);
@@ -263,16 +316,16 @@ class Solver : public MultigridSolver {
     weight_tau_ = link_tau_;
     weight_of_sweep_ = 1.0f;
     copy(a);
-    const int n = static_cast<int>(node_.size());
-    for (Eigen::Index p = 0; p < z_.cols(); ++p) {
+    z_.setZero();
+    for (Eigen::Index p = 0; p < a.rows(); ++p) {
       for (int axis = 0; axis < 3; ++axis) z_(axis, p) = std::sin(static_cast<float>(7 * p + 3 * axis) * 1.3f);
     }
     z_.normalize();
     r_.setZero();
     float largest = 0.0f;
     for (int k = 0; k < kPowers; ++k) {
-      kernels_.residue(rows(), r_.data(), z_.data(), t_.data());
-      kernels_.sweep(n, inverse_.data(), t_.data(), z_.data());
+      packets_.residue(rows(), r_.data(), z_.data(), t_.data());
+      packets_.sweep(packets(), inverse_.data(), t_.data(), z_.data());
       largest = z_.norm();
       z_ /= largest;
     }
@@ -280,8 +333,8 @@ class Solver : public MultigridSolver {
   }
 
   void copy(const BlockMatrix& a) {
-    kernels_.load({a.rows(), start_.data(), slot_.data(), diagonal_.data(), a.block(0).data()}, link_sum_.data(),
-                  weight_of_sweep_, blocks_.data(), inverse_.data(), row_sum_.data());
+    packets_.load(rows(), {slot_.data(), a.block(0).data()}, link_sum_.data(), weight_of_sweep_, blocks_.data(),
+                  inverse_.data(), row_sum_.data());
   }
 
   /// Single precision copy, inverse diagonal blocks, and new coarse levels if contacts have changed.
@@ -289,7 +342,7 @@ class Solver : public MultigridSolver {
     copy(a);
     row_sum_ = row_sum_.cwiseMax(0.0f);
     int stale = 0;
-    for (Eigen::Index p = 0; p < row_sum_.cols(); ++p) {
+    for (Eigen::Index p = 0; p < a.rows(); ++p) {
       const auto now = row_sum_.col(p).array(), then = refreshed_.col(p).array();
       if ((now > kStaleRatio * then).any() || (kStaleRatio * now < then).any()) ++stale;
     }
@@ -300,13 +353,12 @@ class Solver : public MultigridSolver {
 
   /// z_ = M^-1 r_; returns r.z.
   double precondition() {
-    const int n = static_cast<int>(node_.size());
-    kernels_.sweep(n, inverse_.data(), r_.data(), z_.data());
+    packets_.sweep(packets(), inverse_.data(), r_.data(), z_.data());
     if (!coarse_works_) return dot(r_, z_);
-    const BlockRows a = rows();
-    kernels_.residue(a, r_.data(), z_.data(), t_.data());
+    const BlockPackets a = rows();
+    packets_.residue(a, r_.data(), z_.data(), t_.data());
     coarse_.correct(t_, &correction_);
-    return kernels_.correct(a, inverse_.data(), t_.data(), correction_.data(), r_.data(), z_.data());
+    return packets_.correct(a, inverse_.data(), t_.data(), correction_.data(), r_.data(), z_.data());
   }
 
   /// From zero: sum_ * unit_ is the solution. Returns the iterations spent.
@@ -322,9 +374,9 @@ class Solver : public MultigridSolver {
     sum_.setZero();
     p_.setZero();
     *solved = false;
-    const BlockRows a = rows();
-    const LinkRows<float> links{link_start_.empty() ? 0 : n, link_start_.data(), link_place_.data(), link_value_.data(),
-                                link_sum_.data()};
+    const BlockPackets a = rows();
+    const LinkPackets links{
+        {link_start_.empty() ? nullptr : link_start_.data(), link_place_.data()}, link_value_.data(), link_sum_.data()};
     double rz = 1.0;  // p_ is 0
     for (int iteration = 1; iteration <= most; ++iteration) {
       const double rz_new = precondition();
@@ -338,7 +390,7 @@ class Solver : public MultigridSolver {
       if (!(rz_new > 0.0)) return iteration;
       kernels_.direct(n, z_.data(), static_cast<float>(rz_new / rz), p_.data());
       rz = rz_new;
-      const double curvature = kernels_.product(a, links, p_.data(), q_.data());
+      const double curvature = packets_.product(a, links, p_.data(), q_.data());
       definite_ = definite_ && curvature > 0.0;
       if (!(curvature > 0.0)) return iteration;
       const auto alpha = static_cast<float>(rz / curvature);
@@ -349,7 +401,7 @@ class Solver : public MultigridSolver {
     return most;
   }
 
-  BlockRows rows() const { return {static_cast<int>(node_.size()), start_.data(), place_.data(), blocks_.data()}; }
+  BlockPackets rows() const { return {{start_.data(), place_.data()}, packets(), blocks_.data()}; }
 
   static double dot(const PaddedNodes& a, const PaddedNodes& b) {
     double sum = 0.0;
@@ -358,6 +410,7 @@ class Solver : public MultigridSolver {
   }
 
   const BlockKernels& kernels_;
+  const PacketKernels& packets_;
   AggregationMultigrid coarse_;
   bool coarse_works_ = false;
   float weight_of_sweep_ = kSmoothing;
@@ -365,13 +418,12 @@ class Solver : public MultigridSolver {
 
   // In the solver's own order.
   std::vector<int> pattern_rows_, pattern_columns_, laid_out_held_;
-  double stiffness_ = 0.0;            // of all links of the coarse levels, N/m
-  std::vector<int> node_, position_;  // node at a position, position of a node
-  std::vector<char> held_;            // by position
-  std::vector<int> start_, slot_, diagonal_;
-  std::vector<unsigned> place_;  // four times the column
-  std::vector<float> blocks_;    // of the matrix, nine floats each, by columns
-  std::vector<float> inverse_;   // of the diagonal blocks, times the smoothing weight
+  double stiffness_ = 0.0;                 // of all links of the coarse levels, N/m
+  std::vector<int> node_, position_;       // node at a position, position of a node
+  std::vector<char> held_;                 // by position
+  std::vector<int> start_, place_, slot_;  // see BlockPackets
+  std::vector<float> blocks_;              // of the matrix
+  std::vector<float> inverse_;             // of the diagonal blocks, times the smoothing weight
   std::vector<float> weight_;
   AxisValues row_sum_, refreshed_;  // of the matrix at hand and of the coarse levels
   PaddedNodes r_, z_, p_, q_, t_, correction_, sum_;
@@ -381,11 +433,10 @@ class Solver : public MultigridSolver {
   double link_tau_ = 1.0;
   std::vector<int> held_nodes_;
   std::vector<double> link_size_;  // by node: square root of the row's sum
-  std::vector<int> link_start_;
-  std::vector<unsigned> link_place_;
+  std::vector<int> link_start_, link_place_;
   std::vector<float> link_stiffness_, link_damping_;  // k in N/m, c in N s/m
   std::vector<std::array<float, 2>> held_links_;      // k and c to held nodes, by row
-  std::vector<float> link_value_, link_sum_;          // k + c / tau
+  std::vector<float> link_value_, link_sum_;          // k + c / tau; the sum by lanes
 
   double unit_ = 1.0;
   bool definite_ = true;  // as far as this solve has seen
