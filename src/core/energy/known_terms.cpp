@@ -68,6 +68,10 @@ KnownTerms sort_terms(const std::string& integrator, const std::vector<const Ene
   return known;
 }
 
+bool stays_apart(const Energy& energy) {
+  return energy.constant_links() != nullptr || dynamic_cast<const ElementEnergy<Spring>*>(&energy) != nullptr;
+}
+
 SpringTerms take_springs(std::vector<const Energy*>* terms) {
   SpringTerms taken;
   std::vector<const Energy*> rest;

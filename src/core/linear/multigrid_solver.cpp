@@ -25,13 +25,13 @@ constexpr float kStaleRatio = 2.0f;
 constexpr double kLeastLink = 0.01;
 constexpr double kOtherStiffness = 1.5;  // a Laplacian that has changed by more is made anew
 
+using Neighbours = std::vector<std::vector<int>>;
+
 /// Nodes breadth first from a node of least degree, so that neighbours lie near each other in memory [Cuthill 1969].
-std::vector<int> breadth_first(const BlockMatrix& a) {
-  const auto degree = [&](int i) {
-    return a.row_start()[static_cast<size_t>(i) + 1] - a.row_start()[static_cast<size_t>(i)];
-  };
-  std::vector<int> starts(static_cast<size_t>(a.rows())), order, next;
-  for (int i = 0; i < a.rows(); ++i) starts[static_cast<size_t>(i)] = i;
+std::vector<int> breadth_first(const Neighbours& neighbours) {
+  const auto degree = [&](int i) { return neighbours[static_cast<size_t>(i)].size(); };
+  std::vector<int> starts(neighbours.size()), order, next;
+  for (size_t i = 0; i < starts.size(); ++i) starts[i] = static_cast<int>(i);
   std::stable_sort(starts.begin(), starts.end(), [&](int i, int j) { return degree(i) < degree(j); });
   std::vector<char> seen(starts.size(), 0);
   for (int start : starts) {
@@ -40,9 +40,7 @@ std::vector<int> breadth_first(const BlockMatrix& a) {
     order.push_back(start);
     for (size_t k = order.size() - 1; k < order.size(); ++k) {
       next.clear();
-      const auto i = static_cast<size_t>(order[k]);
-      for (int slot = a.row_start()[i]; slot < a.row_start()[i + 1]; ++slot) {
-        const int j = a.column()[static_cast<size_t>(slot)];
+      for (int j : neighbours[static_cast<size_t>(order[k])]) {
         if (seen[static_cast<size_t>(j)] != 0) continue;
         seen[static_cast<size_t>(j)] = 1;
         next.push_back(j);
@@ -52,6 +50,13 @@ std::vector<int> breadth_first(const BlockMatrix& a) {
     }
   }
   return order;
+}
+
+bool same_springs(const std::vector<SpringElement>& one, const std::vector<SpringElement>& other) {
+  return std::equal(
+      one.begin(), one.end(), other.begin(), other.end(), [](const SpringElement& s, const SpringElement& t) {
+        return s.a == t.a && s.b == t.b && s.length == t.length && s.stiffness == t.stiffness && s.damping == t.damping;
+      });
 }
 
 class Solver : public MultigridSolver {
@@ -64,10 +69,24 @@ class Solver : public MultigridSolver {
     held_nodes_ = held;
   }
 
+  void set_springs(const std::vector<SpringElement>& springs) override {
+    if (same_springs(springs, springs_)) return;
+    springs_ = springs;
+    laid_out_springs_ = false;
+  }
+
+  void place_springs(const Nodes& x, double dx, double dv, Transverse transverse) override {
+    x_ = &x;
+    dx_ = dx;
+    dv_ = dv;
+    transverse_ = transverse == Transverse::kProjected ? 1.0 : 0.0;
+  }
+
   void forget() override { stiffness_ = weight_tau_ = 0.0; }
 
   void prepare(const BlockMatrix& a) override {
-    const bool same = a.row_start() == pattern_rows_ && a.column() == pattern_columns_ && held_nodes_ == laid_out_held_;
+    const bool same = laid_out_springs_ && a.row_start() == pattern_rows_ && a.column() == pattern_columns_ &&
+                      held_nodes_ == laid_out_held_;
     if (!same) {
       lay_out(a);
       lay_out_links(a.rows());
@@ -111,20 +130,23 @@ class Solver : public MultigridSolver {
     pattern_rows_ = a.row_start();
     pattern_columns_ = a.column();
     laid_out_held_ = held_nodes_;
+    laid_out_springs_ = true;
     const auto n = static_cast<size_t>(a.rows());
-    node_ = breadth_first(a);
+    const Neighbours neighbours = neighbours_of(a);
+    node_ = breadth_first(neighbours);
     size_links(a.rows());
-    sort_by_length(a);
+    sort_by_length(neighbours);
     position_.resize(n);
     for (size_t p = 0; p < n; ++p) position_[static_cast<size_t>(node_[p])] = static_cast<int>(p);
     held_.assign(n, 0);
     for (int node : held_nodes_) held_[static_cast<size_t>(position_[static_cast<size_t>(node)])] = 1;
     pack_blocks(a);
+    pack_springs();
     const auto padded = static_cast<Eigen::Index>(packets()) * packets_.width;
     inverse_.assign(static_cast<size_t>(6 * padded), 0.0f);
     weight_.resize(n);
     for (AxisValues* values : {&row_sum_, &refreshed_}) values->setZero(4, padded);
-    for (PaddedNodes* m : {&r_, &z_, &p_, &q_, &t_, &correction_, &sum_}) m->setZero(4, padded);
+    for (PaddedNodes* m : {&r_, &z_, &p_, &q_, &t_, &correction_, &sum_, &points_}) m->setZero(4, padded);
   }
 
   int packets() const { return (static_cast<int>(node_.size()) + packets_.width - 1) / packets_.width; }
@@ -178,6 +200,56 @@ class Solver : public MultigridSolver {
     blocks_.assign(9 * place_.size(), 0.0f);
   }
 
+  /// Rows of springs in packets; none in rows that are held.
+  void pack_springs() {
+    const int width = packets_.width, n = static_cast<int>(node_.size());
+    struct Entry {
+      int column;
+      const SpringElement* spring;
+    };
+    std::vector<std::vector<Entry>> rows(node_.size());
+    for (const SpringElement& s : springs_) {
+      const int a = position_[static_cast<size_t>(s.a)], b = position_[static_cast<size_t>(s.b)];
+      if (!is_held(a)) rows[static_cast<size_t>(a)].push_back({b, &s});
+      if (!is_held(b)) rows[static_cast<size_t>(b)].push_back({a, &s});
+    }
+    spring_start_.assign(springs_.empty() ? 0 : 1, 0);
+    spring_place_.clear();
+    std::vector<float>* const numbers[] = {&spring_stiffness_, &spring_damping_, &spring_length_, &spring_held_};
+    for (std::vector<float>* values : numbers) values->clear();
+    for (int first = 0; first < packets() * width && !springs_.empty(); first += width) {
+      const auto before = spring_place_.size();
+      const size_t longest =
+          longest_of(first, std::min(first + width, n), [&](int p) { return rows[static_cast<size_t>(p)].size(); });
+      spring_start_.push_back(spring_start_.back() + static_cast<int>(longest));
+      spring_place_.resize(before + longest * static_cast<size_t>(width));
+      for (std::vector<float>* values : numbers) values->resize(spring_place_.size(), 0.0f);
+      for (int p = first; p < first + width; ++p) {
+        const auto lane = before + lane_place(p) - static_cast<size_t>(first);
+        for (size_t k = 0; k < longest; ++k) {
+          const size_t at = lane + k * static_cast<size_t>(width);
+          spring_place_[at] = 4 * p;
+          if (p >= n || k >= rows[static_cast<size_t>(p)].size()) continue;
+          const Entry& entry = rows[static_cast<size_t>(p)][k];
+          spring_place_[at] = 4 * entry.column;
+          spring_stiffness_[at] = static_cast<float>(entry.spring->stiffness);
+          spring_damping_[at] = static_cast<float>(entry.spring->damping);
+          spring_length_[at] = static_cast<float>(entry.spring->length);
+          spring_held_[at] = is_held(entry.column) ? 1.0f : 0.0f;
+        }
+      }
+    }
+    spring_blocks_.assign(4 * spring_place_.size(), 0.0f);
+  }
+
+  /// Frobenius norm of a spring's block.
+  double norm_of(const SpringElement& s) const {
+    const double length = (x_->col(s.b) - x_->col(s.a)).norm();
+    const double across = transverse_ * std::max(0.0, dx_ * s.stiffness * (1.0 - s.length / std::max(length, 1e-12)));
+    const double along = dx_ * s.stiffness + dv_ * s.damping;
+    return std::sqrt(along * along + 2.0 * across * across);
+  }
+
   void size_links(int rows) {
     link_size_.assign(static_cast<size_t>(rows), 0.0);
     for (const ConstantLinks* links : links_) {
@@ -187,7 +259,19 @@ class Solver : public MultigridSolver {
     }
   }
 
-  void sort_by_length(const BlockMatrix& a) {
+  Neighbours neighbours_of(const BlockMatrix& a) const {
+    Neighbours neighbours(static_cast<size_t>(a.rows()));
+    for (size_t i = 0; i < neighbours.size(); ++i) {
+      neighbours[i].assign(a.column().begin() + a.row_start()[i], a.column().begin() + a.row_start()[i + 1]);
+    }
+    for (const SpringElement& s : springs_) {
+      neighbours[static_cast<size_t>(s.a)].push_back(s.b);
+      neighbours[static_cast<size_t>(s.b)].push_back(s.a);
+    }
+    return neighbours;
+  }
+
+  void sort_by_length(const Neighbours& neighbours) {
     std::vector<int> kept(node_.size(), 0), length(node_.size());
     for (const ConstantLinks* links : links_) {
       for (size_t row = 0; row < links->sum.size(); ++row) {
@@ -196,7 +280,7 @@ class Solver : public MultigridSolver {
       }
     }
     for (size_t i = 0; i < node_.size(); ++i) {
-      length[i] = 1024 * (a.row_start()[i + 1] - a.row_start()[i]) + kept[i];
+      length[i] = 1024 * static_cast<int>(neighbours[i].size()) + kept[i];
     }
     sort_in_windows([&](int i) { return length[static_cast<size_t>(i)]; }, &node_);
   }
@@ -283,10 +367,11 @@ class Solver : public MultigridSolver {
     }
   }
 
-  static double total_weight(const BlockMatrix& a) {
+  double total_weight(const BlockMatrix& a) const {
     double sum = 0.0;
     for (int k = 0; k < a.block_count(); ++k) sum += a.block(k).norm();
     for (int i = 0; i < a.rows(); ++i) sum -= a.block(a.diagonal_slot(i)).norm();
+    for (const SpringElement& s : springs_) sum += 2.0 * norm_of(s);
     return sum;
   }
 
@@ -304,6 +389,15 @@ class Solver : public MultigridSolver {
         entries.emplace_back(p, column, -weight);
       }
       entries.emplace_back(p, p, degree);
+    }
+    for (const SpringElement& s : springs_) {
+      const int p = position_[static_cast<size_t>(s.a)], q = position_[static_cast<size_t>(s.b)];
+      if (is_held(p) || is_held(q)) continue;
+      const double weight = kWeight * norm_of(s);
+      entries.emplace_back(p, p, weight);
+      entries.emplace_back(q, q, weight);
+      entries.emplace_back(p, q, -weight);
+      entries.emplace_back(q, p, -weight);
     }
     GraphMatrix laplacian(a.rows(), a.rows());
     laplacian.setFromTriplets(entries.begin(), entries.end());
@@ -333,8 +427,17 @@ class Solver : public MultigridSolver {
   }
 
   void copy(const BlockMatrix& a) {
-    packets_.load(rows(), {slot_.data(), a.block(0).data()}, link_sum_.data(), weight_of_sweep_, blocks_.data(),
-                  inverse_.data(), row_sum_.data());
+    if (!springs_.empty()) {
+      const Vec3 origin = x_->col(0);
+      for (size_t p = 0; p < node_.size(); ++p) {
+        points_.col(static_cast<Eigen::Index>(p)).head<3>() = (x_->col(node_[p]) - origin).cast<float>();
+      }
+    }
+    const SpringSource springs{
+        spring_stiffness_.data(), spring_damping_.data(),  spring_length_.data(),   spring_held_.data(),
+        points_.data(),           static_cast<float>(dx_), static_cast<float>(dv_), static_cast<float>(transverse_)};
+    packets_.load(rows(), {slot_.data(), a.block(0).data()}, springs, link_sum_.data(), weight_of_sweep_,
+                  blocks_.data(), spring_blocks_.data(), inverse_.data(), row_sum_.data());
   }
 
   /// Single precision copy, inverse diagonal blocks, and new coarse levels if contacts have changed.
@@ -355,7 +458,7 @@ class Solver : public MultigridSolver {
   double precondition() {
     packets_.sweep(packets(), inverse_.data(), r_.data(), z_.data());
     if (!coarse_works_) return dot(r_, z_);
-    const BlockPackets a = rows();
+    const PacketMatrix a = rows();
     packets_.residue(a, r_.data(), z_.data(), t_.data());
     coarse_.correct(t_, &correction_);
     return packets_.correct(a, inverse_.data(), t_.data(), correction_.data(), r_.data(), z_.data());
@@ -374,7 +477,7 @@ class Solver : public MultigridSolver {
     sum_.setZero();
     p_.setZero();
     *solved = false;
-    const BlockPackets a = rows();
+    const PacketMatrix a = rows();
     const LinkPackets links{
         {link_start_.empty() ? nullptr : link_start_.data(), link_place_.data()}, link_value_.data(), link_sum_.data()};
     double rz = 1.0;  // p_ is 0
@@ -401,7 +504,13 @@ class Solver : public MultigridSolver {
     return most;
   }
 
-  BlockPackets rows() const { return {{start_.data(), place_.data()}, packets(), blocks_.data()}; }
+  PacketMatrix rows() const {
+    return {packets(),
+            {start_.data(), place_.data()},
+            {spring_start_.empty() ? nullptr : spring_start_.data(), spring_place_.data()},
+            blocks_.data(),
+            spring_blocks_.data()};
+  }
 
   static double dot(const PaddedNodes& a, const PaddedNodes& b) {
     double sum = 0.0;
@@ -421,12 +530,21 @@ class Solver : public MultigridSolver {
   double stiffness_ = 0.0;                 // of all links of the coarse levels, N/m
   std::vector<int> node_, position_;       // node at a position, position of a node
   std::vector<char> held_;                 // by position
-  std::vector<int> start_, place_, slot_;  // see BlockPackets
+  std::vector<int> start_, place_, slot_;  // see PacketMatrix
   std::vector<float> blocks_;              // of the matrix
   std::vector<float> inverse_;             // of the diagonal blocks, times the smoothing weight
   std::vector<float> weight_;
   AxisValues row_sum_, refreshed_;  // of the matrix at hand and of the coarse levels
   PaddedNodes r_, z_, p_, q_, t_, correction_, sum_;
+
+  // Springs.
+  std::vector<SpringElement> springs_;
+  bool laid_out_springs_ = false;
+  const Nodes* x_ = nullptr;
+  double dx_ = 0.0, dv_ = 0.0, transverse_ = 1.0;
+  std::vector<int> spring_start_, spring_place_;
+  std::vector<float> spring_stiffness_, spring_damping_, spring_length_, spring_held_, spring_blocks_;
+  PaddedNodes points_;  // less the first node's position
 
   // Constant links, all together.
   std::vector<const ConstantLinks*> links_;

@@ -41,6 +41,9 @@ struct SpringTerms {
   std::vector<const Energy*> link_terms;    // what they are of
 };
 
+/// Whether a solver that takes springs and constant links apart (Needs::links_apart) has no need of the term's blocks.
+bool stays_apart(const Energy& energy);
+
 /// Takes springs out of `terms`, and constant links between nodes that have springs.
 SpringTerms take_springs(std::vector<const Energy*>* terms);
 

@@ -32,7 +32,7 @@ struct Dynamics {
 struct Needs {
   bool jacobian = false;
   bool lumped_mass = false;  // cannot do with Dynamics::mass_matrix
-  bool links_apart = false;  // the pattern may lack terms of constant links (Energy::constant_links)
+  bool links_apart = false;  // the pattern may lack springs and terms of constant links (stays_apart())
 };
 
 struct StepReport {
