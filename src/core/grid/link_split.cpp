@@ -12,45 +12,46 @@ constexpr double kOfOscillation = 0.15, kOfDecay = 0.25, kOfDamping = 1.0;
 constexpr double kFiner = 0.7;  // from one `fastest` that is tried to the next
 constexpr int kTries = 20;
 
-/// visit(|k_ij| (m_i m_j)^(-1/2) of all j, k_ij / m_i of all j) for the rows of a term.
-template <class Visit>
-void for_each_row(const ConstantLinks& links, const Eigen::VectorXd& mass, const Visit& visit) {
-  std::vector<double> scaled, own;
-  for (size_t row = 0; row < links.sum.size(); ++row) {
-    const double m = mass[links.first_node + links.node[row]];
-    scaled.clear();
-    own.clear();
-    for (int k = links.row_start[row]; k < links.row_start[row + 1]; ++k) {
-      const auto e = static_cast<size_t>(k);
-      if (links.stiffness[e] == 0.0) continue;
-      const double other = mass[links.first_node + static_cast<int>(links.place[e] / 4)];
-      scaled.push_back(std::abs(links.stiffness[e]) / std::sqrt(m * other));
-      own.push_back(links.stiffness[e] / m);
+/// Links by rows: |k_ij| (m_i m_j)^(-1/2), and k_ij / m_i.
+struct Scaled {
+  std::vector<size_t> start{0};
+  std::vector<double> beside, own;
+};
+Scaled scaled(const std::vector<const ConstantLinks*>& links, const Eigen::VectorXd& mass) {
+  const Eigen::VectorXd root = mass.cwiseSqrt().cwiseInverse();
+  Scaled all;
+  for (const ConstantLinks* term : links) {
+    for (size_t row = 0; row < term->sum.size(); ++row) {
+      const double mine = root[term->first_node + term->node[row]];
+      for (int k = term->row_start[row]; k < term->row_start[row + 1]; ++k) {
+        const auto e = static_cast<size_t>(k);
+        if (term->stiffness[e] == 0.0) continue;
+        const double other = root[term->first_node + static_cast<int>(term->place[e] / 4)];
+        all.beside.push_back(std::abs(term->stiffness[e]) * mine * other);
+        all.own.push_back(term->stiffness[e] * mine * mine);
+      }
+      all.start.push_back(all.own.size());
     }
-    visit(scaled, own);
   }
+  return all;
 }
 
-/// How many links are above `fastest`, how many below, and a bound of the eigenvalues of the latter [Gershgorin].
+/// How many links are above `fastest`, and a bound of the eigenvalues of all others (Gershgorin).
 struct Shares {
-  double fast = 0.0, slow = 0.0, bound = 0.0;
+  size_t fast = 0;
+  double bound = 0.0;
 };
-Shares shares_of(const std::vector<const ConstantLinks*>& links, const Eigen::VectorXd& mass, double fastest) {
+Shares shares_of(const Scaled& links, double fastest) {
   Shares shares;
-  for (const ConstantLinks* term : links) {
-    for_each_row(*term, mass, [&](const std::vector<double>& scaled, const std::vector<double>& own) {
-      double sum = 0.0, beside = 0.0;
-      for (size_t k = 0; k < scaled.size(); ++k) {
-        if (scaled[k] > fastest) {
-          shares.fast += 1.0;
-        } else {
-          shares.slow += 1.0;
-          sum += own[k];
-          beside += scaled[k];
-        }
-      }
-      shares.bound = std::max(shares.bound, std::abs(sum) + beside);
-    });
+  for (size_t row = 0; row + 1 < links.start.size(); ++row) {
+    double sum = 0.0, beside = 0.0;
+    for (size_t k = links.start[row]; k < links.start[row + 1]; ++k) {
+      const bool fast = links.beside[k] > fastest;
+      shares.fast += fast ? 1 : 0;
+      sum += fast ? 0.0 : links.own[k];
+      beside += fast ? 0.0 : links.beside[k];
+    }
+    shares.bound = std::max(shares.bound, std::abs(sum) + beside);
   }
   return shares;
 }
@@ -60,17 +61,19 @@ Shares shares_of(const std::vector<const ConstantLinks*>& links, const Eigen::Ve
 LinkSplit split_links(const std::vector<const ConstantLinks*>& links, const Eigen::VectorXd& mass, double part) {
   LinkSplit best;
   if (links.empty()) return best;
-  const double damping = links.front()->damping, all = shares_of(links, mass, 0.0).fast;
-  double least = all;
-  double fastest = shares_of(links, mass, std::numeric_limits<double>::infinity()).bound;
+  const Scaled all = scaled(links, mass);
+  const double damping = links.front()->damping;
+  auto least = static_cast<double>(all.own.size());
+  double fastest = shares_of(all, std::numeric_limits<double>::infinity()).bound;
   for (int k = 0; k < kTries; ++k, fastest *= kFiner) {
-    const Shares shares = shares_of(links, mass, fastest);
+    const Shares shares = shares_of(all, fastest);
     if (!(shares.bound > 0.0)) break;
     const double longest =
         std::min({kOfOscillation / std::sqrt(shares.bound), kOfDecay / (damping * shares.bound), kOfDamping * damping});
     const int together = std::min(kMostTogether, static_cast<int>(longest / part));
     if (together < 2) continue;
-    const double cost = shares.fast + shares.slow / together;
+    const auto fast = static_cast<double>(shares.fast);
+    const double cost = fast + (static_cast<double>(all.own.size()) - fast) / together;
     if (cost >= least) continue;
     least = cost;
     best = {fastest, together, longest};
