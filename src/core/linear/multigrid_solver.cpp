@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "deformable_sim/core/linear/aggregation_multigrid.h"
+#include "deformable_sim/core/linear/kept_links.h"
 #include "deformable_sim/core/linear/packet_kernels.h"
 #include "deformable_sim/core/linear/row_order.h"
 #include "deformable_sim/core/linear/row_packets.h"
@@ -22,9 +22,6 @@ constexpr double kWeight = 0.5;  // of a link's stiffness in the scalar operator
 // The coarse levels are renewed when more than one row sum in this many has changed by more than the ratio.
 constexpr int kStaleShare = 12;
 constexpr float kStaleRatio = 2.0f;
-// Links below this share of the geometric mean of both rows' sums are left out: Newton's matrix need not be exact, and
-// of a plate on a crooked mesh they are half of all.
-constexpr double kLeastLink = 0.01;
 constexpr double kOtherStiffness = 1.5;  // a Laplacian that has changed by more is made anew
 
 using Neighbours = std::vector<std::vector<int>>;
@@ -34,7 +31,7 @@ class Solver : public MultigridSolver {
   Solver() : kernels_(block_kernels(simd_level())), packets_(packet_kernels(simd_level())), coarse_(kernels_) {}
 
   void set_links(const std::vector<const ConstantLinks*>& links, double tau, const std::vector<int>& held) override {
-    links_ = links;
+    links_.set(links);
     link_tau_ = tau;
     held_nodes_ = held;
   }
@@ -52,11 +49,8 @@ class Solver : public MultigridSolver {
   void prepare(const BlockMatrix& a) override {
     const bool same = laid_out_springs_ && a.row_start() == pattern_rows_ && a.column() == pattern_columns_ &&
                       held_nodes_ == laid_out_held_;
-    if (!same) {
-      lay_out(a);
-      lay_out_links(a.rows());
-    }
-    scale_links();
+    if (!same) lay_out(a);
+    links_.scale(link_tau_);
     // A shorter step makes lambda_max smaller.
     if (!same || link_tau_ > weight_tau_) set_weight(a);
     const double stiffness = total_weight(a);
@@ -101,7 +95,6 @@ class Solver : public MultigridSolver {
     const auto n = static_cast<size_t>(a.rows());
     const Neighbours neighbours = neighbours_of(a);
     node_ = breadth_first(neighbours);
-    size_links(a.rows());
     sort_by_length(neighbours);
     position_.resize(n);
     for (size_t p = 0; p < n; ++p) position_[static_cast<size_t>(node_[p])] = static_cast<int>(p);
@@ -109,6 +102,7 @@ class Solver : public MultigridSolver {
     for (int node : held_nodes_) held_[static_cast<size_t>(position_[static_cast<size_t>(node)])] = 1;
     pack_blocks(a);
     springs_.pack(position_, held_, packets_.width);
+    links_.pack(position_, held_, packets_.width);
     const auto padded = static_cast<Eigen::Index>(packets()) * packets_.width;
     inverse_.assign(static_cast<size_t>(6 * padded), 0.0f);
     weight_.resize(n);
@@ -117,11 +111,7 @@ class Solver : public MultigridSolver {
   }
 
   int packets() const { return (static_cast<int>(node_.size()) + packets_.width - 1) / packets_.width; }
-  /// Where numbers by lanes of a position lie.
-  size_t lane_place(int position) const {
-    const int offset = position % packets_.width;
-    return static_cast<size_t>(position - offset + packet_lane(offset, packets_.width));
-  }
+
   /// Rows of blocks in packets, the diagonal first.
   void pack_blocks(const BlockMatrix& a) {
     std::vector<int> length;
@@ -149,15 +139,6 @@ class Solver : public MultigridSolver {
     }
   }
 
-  void size_links(int rows) {
-    link_size_.assign(static_cast<size_t>(rows), 0.0);
-    for (const ConstantLinks* links : links_) {
-      for (size_t row = 0; row < links->sum.size(); ++row) {
-        link_size_[static_cast<size_t>(links->first_node + links->node[row])] = std::sqrt(std::abs(links->sum[row]));
-      }
-    }
-  }
-
   Neighbours neighbours_of(const BlockMatrix& a) const {
     Neighbours neighbours(static_cast<size_t>(a.rows()));
     for (size_t i = 0; i < neighbours.size(); ++i) {
@@ -171,89 +152,9 @@ class Solver : public MultigridSolver {
   }
 
   void sort_by_length(const Neighbours& neighbours) {
-    std::vector<int> kept(node_.size(), 0), length(node_.size());
-    for (const ConstantLinks* links : links_) {
-      for (size_t row = 0; row < links->sum.size(); ++row) {
-        int& count = kept[static_cast<size_t>(links->first_node + links->node[row])];
-        for_each_kept(*links, row, [&](int, double) { ++count; });
-      }
-    }
-    for (size_t i = 0; i < node_.size(); ++i) {
-      length[i] = 1024 * static_cast<int>(neighbours[i].size()) + kept[i];
-    }
+    std::vector<int> length = links_.counts(node_.size());
+    for (size_t i = 0; i < node_.size(); ++i) length[i] += 1024 * static_cast<int>(neighbours[i].size());
     sort_in_windows([&](int i) { return length[static_cast<size_t>(i)]; }, &node_);
-  }
-
-  /// visit(node, stiffness) for the links of a row that count.
-  void for_each_kept(const ConstantLinks& links, size_t row, const std::function<void(int, double)>& visit) const {
-    const double least = kLeastLink * std::sqrt(std::abs(links.sum[row]));
-    for (int e = links.row_start[row]; e < links.row_start[row + 1]; ++e) {
-      const auto k = static_cast<size_t>(e);
-      const int j = links.first_node + static_cast<int>(links.place[k] / 4);
-      const double other = link_size_[static_cast<size_t>(j)];
-      if (links.stiffness[k] != 0.0 && std::abs(links.stiffness[k]) >= least * other) visit(j, links.stiffness[k]);
-    }
-  }
-
-  /// All links together. Nodes that are held take part in neither row nor column.
-  void lay_out_links(int rows) {
-    link_rows_.clear();
-    link_value_.clear();
-    link_sum_.assign(static_cast<size_t>(packets() * packets_.width), 1.0f);  // rows that do not exist keep it
-    held_links_.assign(static_cast<size_t>(rows), {0.0f, 0.0f});
-    if (links_.empty()) return;
-    struct Link {
-      int column;
-      float stiffness, damping;
-    };
-    std::vector<std::vector<Link>> by_row(static_cast<size_t>(rows));
-    for (const ConstantLinks* links : links_) {
-      for (size_t row = 0; row < links->sum.size(); ++row) {
-        const auto p = static_cast<size_t>(position_[static_cast<size_t>(links->first_node + links->node[row])]);
-        if (held_[p] != 0) continue;
-        for_each_kept(*links, row, [&](int j, double stiffness) {
-          const int other = position_[static_cast<size_t>(j)];
-          const auto k = static_cast<float>(stiffness), c = static_cast<float>(links->damping * stiffness);
-          if (is_held(other)) {
-            held_links_[p][0] += k;
-            held_links_[p][1] += c;
-          } else {
-            by_row[p].push_back({other, k, c});
-          }
-        });
-      }
-    }
-    std::vector<int> length;
-    for (const auto& row : by_row) length.push_back(static_cast<int>(row.size()));
-    link_rows_.lay_out(length, packets_.width);
-    link_stiffness_.assign(link_rows_.size(), 0.0f);
-    link_damping_.assign(link_rows_.size(), 0.0f);
-    link_value_.resize(link_rows_.size());
-    for (int p = 0; p < rows; ++p) {
-      for (int k = 0; k < length[static_cast<size_t>(p)]; ++k) {
-        const Link& link = by_row[static_cast<size_t>(p)][static_cast<size_t>(k)];
-        link_rows_.set_column(p, k, link.column);
-        link_stiffness_[link_rows_.at(p, k)] = link.stiffness;
-        link_damping_[link_rows_.at(p, k)] = link.damping;
-      }
-    }
-  }
-
-  /// k + c / tau, and the sums over rows.
-  void scale_links() {
-    const auto rate = static_cast<float>(1.0 / link_tau_);
-    for (size_t k = 0; k < link_value_.size(); ++k) link_value_[k] = link_stiffness_[k] + rate * link_damping_[k];
-    const auto width = static_cast<size_t>(packets_.width);
-    for (size_t p = 0; p < held_links_.size(); ++p) {
-      link_sum_[lane_place(static_cast<int>(p))] = held_links_[p][0] + rate * held_links_[p][1];
-    }
-    for (int packet = 0; packet < link_rows_.packets(); ++packet) {
-      float* sum = link_sum_.data() + static_cast<size_t>(packet) * width;
-      for (int k = link_rows_.start(packet); k < link_rows_.start(packet + 1); ++k) {
-        const float* value = link_value_.data() + static_cast<size_t>(k) * width;
-        for (size_t lane = 0; lane < width; ++lane) sum[lane] += value[lane];
-      }
-    }
   }
 
   double total_weight(const BlockMatrix& a) const {
@@ -316,7 +217,7 @@ class Solver : public MultigridSolver {
   }
 
   void copy(const BlockMatrix& a) {
-    packets_.load(matrix(), {slot_.data(), a.block(0).data()}, springs_.source(node_), link_sum_.data(),
+    packets_.load(matrix(), {slot_.data(), a.block(0).data()}, springs_.source(node_), links_.rows().diagonal,
                   weight_of_sweep_, blocks_.data(), springs_.blocks(), inverse_.data(), row_sum_.data());
   }
 
@@ -358,7 +259,7 @@ class Solver : public MultigridSolver {
     p_.setZero();
     *solved = false;
     const PacketMatrix a = matrix();
-    const LinkPackets links{link_rows_.rows(), link_value_.data(), link_sum_.data()};
+    const LinkPackets links = links_.rows();
     double rz = 1.0;  // p_ is 0
     for (int iteration = 1; iteration <= most; ++iteration) {
       const double rz_new = precondition();
@@ -413,16 +314,9 @@ class Solver : public MultigridSolver {
   AxisValues row_sum_, refreshed_;  // of the matrix at hand and of the coarse levels
   PaddedNodes r_, z_, p_, q_, t_, correction_, sum_;
 
-  // Constant links, all together.
-  std::vector<const ConstantLinks*> links_;
+  KeptLinks links_;
   double link_tau_ = 1.0;
   std::vector<int> held_nodes_;
-  std::vector<double> link_size_;  // by node: square root of the row's sum
-  RowPackets link_rows_;
-  std::vector<float> link_stiffness_, link_damping_;  // k in N/m, c in N s/m
-  std::vector<std::array<float, 2>> held_links_;      // k and c to held nodes, by row
-  std::vector<float> link_value_, link_sum_;          // k + c / tau; the sum by lanes
-
   double unit_ = 1.0;
   bool definite_ = true;  // as far as this solve has seen
 };
