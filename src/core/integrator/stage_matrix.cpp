@@ -37,6 +37,7 @@ StageMatrix::StageMatrix(const SolverSettings& settings, Links links) {
 
 void StageMatrix::reset() {
   pattern_ = nullptr;
+  sorted_energies_.clear();
   if (multigrid_ != nullptr) multigrid_->forget();
 }
 
@@ -57,11 +58,11 @@ void StageMatrix::renew(const Dynamics& d, double tau) {
   }
   if (mass_matrix_ != d.mass_matrix) find_mass_slots();
   if (prepared_tau_ != tau_ || prepared_energies_ != d.energies) stale_ = true;
-  if (stale_ && (sorted_tau_ != tau_ || sorted_energies_ != d.energies)) sort_terms();
+  if (sorted_energies_ != d.energies) sort_terms();
+  if (stale_ && multigrid_ != nullptr) multigrid_->set_links(links_, tau_, held_);
 }
 
 void StageMatrix::find_held_slots() {
-  sorted_tau_ = 0.0;
   held_ = dynamics_->kinematics.node;
   held_slots_.clear();
   for (int i : held_) {
@@ -137,7 +138,6 @@ void StageMatrix::hold() {
 
 /// What is assembled, and what the solver is told of instead.
 void StageMatrix::sort_terms() {
-  sorted_tau_ = tau_;
   sorted_energies_ = in_blocks_ = dynamics_->energies;
   if (multigrid_ == nullptr) return;
   links_.clear();
@@ -151,7 +151,6 @@ void StageMatrix::sort_terms() {
   in_blocks_.erase(std::remove_if(in_blocks_.begin(), in_blocks_.end(),
                                   [](const Energy* energy) { return energy->constant_links() != nullptr; }),
                    in_blocks_.end());
-  multigrid_->set_links(links_, tau_, held_);
   multigrid_->set_springs(springs);
 }
 

@@ -62,7 +62,6 @@ class StageMatrix {
   std::vector<double> share_;    // tau / tau_i of each node; only with a mass matrix
   double prepared_tau_ = 0.0;
   std::vector<const Energy*> prepared_energies_;
-  double sorted_tau_ = 0.0;  // 0: terms are to be sorted
   std::vector<const Energy*> sorted_energies_;
   bool stale_ = true;
 };
