@@ -60,7 +60,16 @@ void MeshMotion<Real>::mark_fast() {
 
 template <class Real>
 void MeshMotion<Real>::load(const State& s, double dt) {
-  unit_.choose(s.x, s.v, dt, longest_);
+  if (PositionUnit<Real>::kCounts) {
+    const auto count = static_cast<Eigen::Index>(packets_.nodes().size());
+    mine_.x.resize(3, count);
+    mine_.v.resize(3, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      mine_.x.col(k) = s.x.col(packets_.nodes()[static_cast<size_t>(k)]);
+      mine_.v.col(k) = s.v.col(packets_.nodes()[static_cast<size_t>(k)]);
+    }
+    unit_.choose(mine_.x, mine_.v, dt, longest_);
+  }
   const int width = packets_.width();
   for (size_t k = 0; k < packets_.nodes().size(); ++k) {
     const int node = packets_.nodes()[k];

@@ -89,16 +89,25 @@ class SubsteppedVerlet : public Integrator {
         others_.push_back(energy);
       }
     }
-    mesh_.reset();
-    const SpringTerms springs = take_springs(&others_);
-    if (!springs.springs.empty()) {
-      split_ = split_links(springs.links, *d.mass, fraction_ * stable_dt_);
-      mesh_ = std::make_unique<MeshMotion<Real>>(springs, *d.mass, d.kinematics.node, split_);
-    }
+    lay_out_mesh(d);
     rest_.clear();
     for (int i = 0; i < n; ++i) {
       if (sheet_of_[static_cast<size_t>(i)] < 0 && !in_mesh(i)) rest_.push_back(i);
     }
+  }
+
+  /// Where other terms have more to do than springs (rods), packets would only add the way there and back.
+  void lay_out_mesh(const Dynamics& d) {
+    mesh_.reset();
+    split_ = LinkSplit();
+    std::vector<const Energy*> left = others_;
+    const SpringTerms springs = take_springs(&left);
+    size_t elements = 0;
+    for (const Energy* energy : left) elements += static_cast<size_t>(energy->element_count());
+    if (springs.springs.empty() || springs.springs.size() < elements) return;
+    others_.swap(left);
+    split_ = split_links(springs.links, *d.mass, fraction_ * stable_dt_);
+    mesh_ = std::make_unique<MeshMotion<Real>>(springs, *d.mass, d.kinematics.node, split_);
   }
 
   bool in_mesh(int node) const { return mesh_ != nullptr && mesh_->contains(node); }

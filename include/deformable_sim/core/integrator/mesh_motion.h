@@ -58,6 +58,7 @@ class MeshMotion {
   std::vector<Held> held_;
   std::vector<unsigned char> keeps_;  // by packet: has a held node
   std::vector<unsigned char> leans_;  // by packet: a fast link wants its y
+  State mine_;                        // single precision: these nodes at the start
   State still_;                       // single precision: the start without velocities
   Nodes bending_;                     // and the links' forces there
 };
