@@ -102,7 +102,7 @@ void World::Parts::make_pattern() {
   }
   std::vector<std::array<int, 2>> pairs;
   const bool links_apart = integrator->needs().links_apart;
-  const auto in_pattern = [&](const Energy& e) { return !links_apart || e.constant_links() == nullptr; };
+  const auto in_pattern = [&](const Energy& e) { return !links_apart || !stays_apart(e); };
   for (const auto& e : model->energies)
     if (in_pattern(*e)) e->add_pattern(&pairs);
   for (int j = 0; j < model->mass_matrix.outerSize(); ++j)

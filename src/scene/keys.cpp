@@ -95,9 +95,8 @@ Table<StepSpec> step_table() {
         });
   t.choice("integrator", &StepSpec::integrator, integrator_names(), "Time scheme.");
   t.add({"precision", "word", "", "double", "double, single",
-         "Of cloth on grids with substepped_verlet and line_dual: single costs half and has an error of about 1e-4 of "
-         "its "
-         "own."},
+         "Of cloth on grids with substepped_verlet and line_dual, and of springs on any mesh with substepped_verlet: "
+         "single costs half and has an error of about 1e-4 of its own."},
         [](const YamlValue& v, const std::string& path, StepSpec* out) {
           const bool single = read_choice(v, path, {"double", "single"}) == "single";
           out->solver.precision = single ? SolverSettings::Precision::kSingle : SolverSettings::Precision::kDouble;

@@ -11,7 +11,7 @@ namespace deformable_sim::work_precision {
 const std::vector<double>& wanted_errors();
 
 /// Rows that finished and have a smaller error than every cheaper one, from cheap to dear. Errors below `resolution`
-/// count as that.
+/// count as that, and such that differ by rounding as equal.
 std::vector<int> pareto_front(const std::vector<Row>& rows, double resolution);
 
 /// The cheapest row for each wanted error.

@@ -9,6 +9,7 @@
 #include "deformable_sim/core/energy/element_energy.h"
 #include "deformable_sim/core/energy/quadratic_term.h"
 #include "deformable_sim/core/error.h"
+#include "deformable_sim/core/linear/constant_links.h"
 
 namespace deformable_sim {
 namespace {
@@ -65,6 +66,47 @@ KnownTerms sort_terms(const std::string& integrator, const std::vector<const Ene
     known.damping.setFromTriplets(damping.begin(), damping.end());
   }
   return known;
+}
+
+bool stays_apart(const Energy& energy) {
+  return energy.constant_links() != nullptr || dynamic_cast<const ElementEnergy<Spring>*>(&energy) != nullptr;
+}
+
+SpringTerms take_springs(std::vector<const Energy*>* terms) {
+  SpringTerms taken;
+  std::vector<const Energy*> rest;
+  std::vector<char> sprung;
+  for (const Energy* energy : *terms) {
+    const auto* springs = dynamic_cast<const ElementEnergy<Spring>*>(energy);
+    if (springs == nullptr) {
+      rest.push_back(energy);
+      continue;
+    }
+    for (const auto& e : springs->elements()) {
+      taken.springs.push_back({e.node[0], e.node[1], e.rest.length, e.rest.stiffness, e.rest.damping, 0});
+      sprung.resize(std::max<size_t>(sprung.size(), static_cast<size_t>(std::max(e.node[0], e.node[1])) + 1), 0);
+      for (int node : e.node) sprung[static_cast<size_t>(node)] = 1;
+    }
+  }
+  const auto fits = [&](const Energy* energy) {
+    if (dynamic_cast<const QuadraticTerm*>(energy) == nullptr || energy->constant_links() == nullptr) return false;
+    const ConstantLinks& links = *energy->constant_links();
+    if (!taken.links.empty() && links.damping != taken.links.front()->damping) return false;
+    return std::all_of(links.node.begin(), links.node.end(), [&](int node) {
+      const auto k = static_cast<size_t>(links.first_node + node);
+      return k < sprung.size() && sprung[k] != 0;
+    });
+  };
+  terms->clear();
+  for (const Energy* energy : rest) {
+    if (fits(energy)) {
+      taken.links.push_back(energy->constant_links());
+      taken.link_terms.push_back(energy);
+    } else {
+      terms->push_back(energy);
+    }
+  }
+  return taken;
 }
 
 void refuse_unknown_terms(const std::string& integrator, const std::vector<std::unique_ptr<Energy>>& energies) {

@@ -6,8 +6,10 @@
 
 #include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/line_kernels.h"
+#include "deformable_sim/core/grid/mesh_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
+#include "deformable_sim/core/linear/packet_kernels.h"
 
 namespace deformable_sim {
 namespace simd_avx512 {
@@ -54,6 +56,10 @@ static inline Double8 length_ratio(double half_length, Double8 a) {
 #include "sheet_kernels.inc"
 
 #include "motion_kernels.inc"
+
+#include "mesh_kernels.inc"
+
+#include "../linear/packet_kernels.inc"
 
 #include "residual_kernels.inc"
 

@@ -8,8 +8,10 @@
 
 #include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/line_kernels.h"
+#include "deformable_sim/core/grid/mesh_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
+#include "deformable_sim/core/linear/packet_kernels.h"
 
 namespace deformable_sim {
 namespace simd_sse2 {
@@ -63,6 +65,10 @@ static inline Double2 length_ratio(double half_length, Double2 a) {
 #include "sheet_kernels.inc"
 
 #include "motion_kernels.inc"
+
+#include "mesh_kernels.inc"
+
+#include "../linear/packet_kernels.inc"
 
 #include "residual_kernels.inc"
 

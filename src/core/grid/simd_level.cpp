@@ -4,8 +4,10 @@
 
 #include "deformable_sim/core/grid/coarse_kernels.h"
 #include "deformable_sim/core/grid/line_kernels.h"
+#include "deformable_sim/core/grid/mesh_kernels.h"
 #include "deformable_sim/core/grid/motion_kernels.h"
 #include "deformable_sim/core/grid/stage_kernels.h"
+#include "deformable_sim/core/linear/packet_kernels.h"
 
 namespace deformable_sim {
 
@@ -14,8 +16,11 @@ namespace deformable_sim {
   extern const SheetKernels sheet_kernels;             \
   extern const MotionKernels<float> motion_kernels_f;  \
   extern const MotionKernels<double> motion_kernels_d; \
+  extern const MeshKernels<float> mesh_kernels_f;      \
+  extern const MeshKernels<double> mesh_kernels_d;     \
   extern const StageKernels stage_kernels;             \
   extern const CoarseKernels coarse_kernels;           \
+  extern const PacketKernels packet_kernels;           \
   extern const LineKernels<float> line_kernels_f;      \
   extern const LineKernels<double> line_kernels_d;     \
   }
@@ -73,6 +78,18 @@ const MotionKernels<double>& motion_kernels(SimdLevel level, double) {
   if (level == SimdLevel::kAvx512) return simd_avx512::motion_kernels_d;
   return level == SimdLevel::kAvx2 ? simd_avx2::motion_kernels_d : simd_sse2::motion_kernels_d;
 }
+const MeshKernels<float>& mesh_kernels(SimdLevel level, float) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::mesh_kernels_f;
+  return level == SimdLevel::kAvx2 ? simd_avx2::mesh_kernels_f : simd_sse2::mesh_kernels_f;
+}
+const MeshKernels<double>& mesh_kernels(SimdLevel level, double) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::mesh_kernels_d;
+  return level == SimdLevel::kAvx2 ? simd_avx2::mesh_kernels_d : simd_sse2::mesh_kernels_d;
+}
+const PacketKernels& packet_kernels(SimdLevel level) {
+  if (level == SimdLevel::kAvx512) return simd_avx512::packet_kernels;
+  return level == SimdLevel::kAvx2 ? simd_avx2::packet_kernels : simd_sse2::packet_kernels;
+}
 const StageKernels& stage_kernels(SimdLevel level) {
   if (level == SimdLevel::kAvx512) return simd_avx512::stage_kernels;
   return level == SimdLevel::kAvx2 ? simd_avx2::stage_kernels : simd_sse2::stage_kernels;
@@ -104,6 +121,15 @@ const MotionKernels<float>& motion_kernels(SimdLevel, float) {
 }
 const CoarseKernels& coarse_kernels(SimdLevel) {
   return simd_sse2::coarse_kernels;
+}
+const MeshKernels<double>& mesh_kernels(SimdLevel, double) {
+  return simd_sse2::mesh_kernels_d;
+}
+const MeshKernels<float>& mesh_kernels(SimdLevel, float) {
+  return simd_sse2::mesh_kernels_f;
+}
+const PacketKernels& packet_kernels(SimdLevel) {
+  return simd_sse2::packet_kernels;
 }
 const StageKernels& stage_kernels(SimdLevel) {
   return simd_sse2::stage_kernels;

@@ -7,12 +7,6 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kLargest = 2147483646.0;  // 2^31 - 2
-constexpr double kRoom = 1.5;              // of the range of positions, over what a step is thought to need
-constexpr double kFaster = 2.0;            // a node at its end, than the fastest at its start
-constexpr double kStretched = 8.0;         // a spring, over its length: differences must not leave the range either
-constexpr double kSlow = 1.0;              // m/s, that no sheet is thought to be slower than
-
 /// Nothing is added up over rows, so that there may be as few bands as threads.
 Bands bands_of(const GridSheet& sheet, const Workers* workers) {
   const int threads = workers != nullptr ? workers->threads() : 1;
@@ -57,59 +51,28 @@ SheetMotion<Real>::SheetMotion(const GridSheet& sheet, const Eigen::VectorXd& ma
 }
 
 template <class Real>
-void SheetMotion<Real>::choose_unit(const Nodes& x, const Nodes& v, double dt) {
-  if constexpr (kCounts) {
-    const auto mine = x.middleCols(rows_.first_node(), rows_.node_count());
-    const Vec3 low = mine.rowwise().minCoeff(), high = mine.rowwise().maxCoeff();
-    const double fastest = v.middleCols(rows_.first_node(), rows_.node_count()).cwiseAbs().maxCoeff();
-    origin_ = 0.5 * (low + high);
-    const double half = 0.5 * (high - low).maxCoeff();
-    const double range = std::max(kRoom * (half + dt * kFaster * (fastest + kSlow)), kStretched * longest_);
-    fastest_ = (range - half) / dt;
-    unit_ = static_cast<double>(static_cast<Real>(range / kLargest));  // what the kernels reckon with
-    per_unit_ = 1.0 / unit_;
-  }
-}
-
-/// To the nearest.
-template <class Real>
-typename SheetMotion<Real>::Position SheetMotion<Real>::counted(double x, int d) const {
-  if constexpr (kCounts) {
-    constexpr std::int64_t kShift = std::int64_t(1) << 40;  // what is positive is cut off downwards
-    return static_cast<std::int32_t>(
-        static_cast<std::int64_t>((x - origin_[d]) * per_unit_ + (static_cast<double>(kShift) + 0.5)) - kShift);
-  } else {
-    return x;
-  }
-}
-
-template <class Real>
-double SheetMotion<Real>::position(std::ptrdiff_t place, int d) const {
-  return origin_[d] + unit_ * static_cast<double>(x_.data()[place + d * rows_.width()]);
-}
-
-template <class Real>
 void SheetMotion<Real>::put(std::ptrdiff_t place, std::ptrdiff_t own, const Vec3& x, const Vec3& v) {
   const double lag = static_cast<double>(rows_.shape().bending_damping);
   for (int d = 0; d < 3; ++d, place += rows_.width(), own += rows_.width()) {
-    x_.data()[place] = counted(x[d], d);
+    x_.data()[place] = unit_.counted(x[d], d);
     v_.data()[place] = static_cast<Real>(v[d]);
     if (y_.empty()) continue;
     const Position from = kCounts ? start_.data()[own] : Position(0);
-    y_.data()[place] = static_cast<Real>(x_.data()[place] - from) + static_cast<Real>(lag * v[d] * per_unit_);
+    y_.data()[place] = static_cast<Real>(x_.data()[place] - from) + static_cast<Real>(lag * v[d] * unit_.per_unit());
   }
 }
 
 template <class Real>
 void SheetMotion<Real>::load(const Nodes& x, const Nodes& v, double dt) {
-  choose_unit(x, v, dt);
+  unit_.choose(x.middleCols(rows_.first_node(), rows_.node_count()),
+               v.middleCols(rows_.first_node(), rows_.node_count()), dt, longest_);
   const double *from = x.data() + 3 * rows_.first_node(), *rate = v.data() + 3 * rows_.first_node();
   Position* to = x_.data();
   Real* to_v = v_.data();
   const int width = rows_.width();
   rows_.for_each_node([&](int, std::ptrdiff_t place) {
     for (int d = 0; d < 3; ++d) {
-      to[place + d * width] = counted(*from++, d);
+      to[place + d * width] = unit_.counted(*from++, d);
       to_v[place + d * width] = static_cast<Real>(*rate++);
     }
   });
@@ -124,20 +87,20 @@ void SheetMotion<Real>::store(Nodes* x, Nodes* v) {
   double fastest = 0.0;
   rows_.for_each_node([&](int, std::ptrdiff_t place) {
     for (int d = 0; d < 3; ++d) {
-      *to++ = position(place, d);
+      *to++ = unit_.position(x_.data()[place + d * width], d);
       const auto speed = static_cast<double>(rate[place + d * width]);
       *to_v++ = speed;
       fastest = std::max(fastest, std::abs(speed));
     }
   });
-  if (kCounts && fastest > fastest_) to[-1] = std::numeric_limits<double>::quiet_NaN();
+  if (unit_.may_have_left(fastest)) to[-1] = std::numeric_limits<double>::quiet_NaN();
 }
 
 template <class Real>
 void SheetMotion<Real>::get(int node, Vec3* x, Vec3* v) {
   const std::ptrdiff_t place = rows_.place(node - rows_.first_node());
   for (int d = 0; d < 3; ++d) {
-    (*x)[d] = position(place, d);
+    (*x)[d] = unit_.position(x_.data()[place + d * rows_.width()], d);
     (*v)[d] = static_cast<double>(v_.data()[place + d * rows_.width()]);
   }
 }
@@ -152,7 +115,7 @@ template <class Real>
 MotionLeap<Real> SheetMotion<Real>::numbers() {
   MotionLeap<Real> leap{};
   leap.x = x_.data();
-  leap.unit = static_cast<Real>(unit_);
+  leap.unit = static_cast<Real>(unit_.unit());
   leap.v = v_.data();
   leap.start = start_.empty() ? nullptr : start_.data();
   leap.y = y_.empty() ? nullptr : y_.data();

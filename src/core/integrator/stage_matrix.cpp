@@ -1,8 +1,10 @@
 #include "deformable_sim/core/integrator/stage_matrix.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
+#include "deformable_sim/core/energy/known_terms.h"
 #include "deformable_sim/core/linear/multigrid_solver.h"
 
 namespace deformable_sim {
@@ -35,6 +37,7 @@ StageMatrix::StageMatrix(const SolverSettings& settings, Links links) {
 
 void StageMatrix::reset() {
   pattern_ = nullptr;
+  sorted_energies_.clear();
   if (multigrid_ != nullptr) multigrid_->forget();
 }
 
@@ -55,6 +58,8 @@ void StageMatrix::renew(const Dynamics& d, double tau) {
   }
   if (mass_matrix_ != d.mass_matrix) find_mass_slots();
   if (prepared_tau_ != tau_ || prepared_energies_ != d.energies) stale_ = true;
+  if (sorted_energies_ != d.energies) sort_terms();
+  if (stale_ && multigrid_ != nullptr) multigrid_->set_links(links_, tau_, held_);
 }
 
 void StageMatrix::find_held_slots() {
@@ -105,9 +110,11 @@ void StageMatrix::set_inertia(const std::vector<int>& near, double tau_near) {
 }
 
 void StageMatrix::add_forces(const State& s, double dx, double dv, Jacobian kind) {
-  for (const Energy* energy : dynamics_->energies) {
-    if (multigrid_ == nullptr || energy->constant_links() == nullptr) energy->add_jacobian(s, dx, dv, kind, &matrix_);
+  if (multigrid_ != nullptr) {
+    using Transverse = MultigridSolver::Transverse;
+    multigrid_->place_springs(s.x, dx, dv, kind == Jacobian::kAxial ? Transverse::kNone : Transverse::kProjected);
   }
+  for (const Energy* energy : in_blocks_) energy->add_jacobian(s, dx, dv, kind, &matrix_);
 }
 
 void StageMatrix::make_symmetric() {
@@ -129,18 +136,27 @@ void StageMatrix::hold() {
   for (int node : held_) matrix_.block(matrix_.diagonal_slot(node)).setIdentity();
 }
 
-void StageMatrix::find_links() {
+/// What is assembled, and what the solver is told of instead.
+void StageMatrix::sort_terms() {
+  sorted_energies_ = in_blocks_ = dynamics_->energies;
+  if (multigrid_ == nullptr) return;
   links_.clear();
   for (const Energy* energy : dynamics_->energies) {
     if (const ConstantLinks* links = energy->constant_links()) links_.push_back(links);
   }
-  multigrid_->set_links(links_, tau_, held_);
+  std::vector<SpringElement> springs;
+  for (const KnownSpring& s : take_springs(&in_blocks_).springs) {
+    springs.push_back({s.a, s.b, s.length, s.stiffness, s.damping});
+  }
+  in_blocks_.erase(std::remove_if(in_blocks_.begin(), in_blocks_.end(),
+                                  [](const Energy* energy) { return energy->constant_links() != nullptr; }),
+                   in_blocks_.end());
+  multigrid_->set_springs(springs);
 }
 
 LinearReport StageMatrix::solve(const Nodes& b, const Eigen::VectorXd& weight, const LinearTolerance& tolerance,
                                 Nodes* step, StepReport* report) {
   if (stale_) {
-    if (multigrid_ != nullptr) find_links();
     solver_->prepare(matrix_);
     prepared_tau_ = tau_;
     prepared_energies_ = dynamics_->energies;

@@ -7,6 +7,7 @@
 
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/core/integrator/impulse_contacts.h"
+#include "deformable_sim/core/integrator/mesh_motion.h"
 #include "deformable_sim/core/integrator/schemes.h"
 #include "deformable_sim/core/integrator/sheet_motion.h"
 
@@ -17,8 +18,11 @@ constexpr int kRemeasureSteps = 500;  // a limit changes little while the rest s
 constexpr int kMostParts = 100000;
 
 /// Kick h/2; drift h, kick h, ...; drift h, kick h/2. Damping acts with the velocity in the middle of a part, drag per
-/// mass semi-implicitly. Sheets on grids move in rows (SheetMotion); all other nodes, and terms that are neither part
-/// of such a sheet nor proportional to mass, as in the generic schemes.
+/// mass semi-implicitly. Sheets on grids move in rows (SheetMotion), other nodes with springs in packets (MeshMotion);
+/// all other nodes, and terms that are none of these nor proportional to mass, as in the generic schemes.
+///
+/// Quadratic bending of a mesh has six times as many links as there are springs: most act in every few parts only
+/// (LinkSplit).
 template <class Real>
 class SubsteppedVerlet : public Integrator {
  public:
@@ -35,14 +39,15 @@ class SubsteppedVerlet : public Integrator {
   }
 
   StepReport advance(double dt, Dynamics* d, State* s) override {
-    if (!prepared_) prepare(*d);
     measure(*d, *s);
+    if (!prepared_) prepare(*d);
     begin(dt, *d, *s);
     const double parts = std::clamp(std::ceil(dt / (fraction_ * stable_dt_) - 1e-9), 1.0, 1.0 * kMostParts);
     const auto count = static_cast<int>(parts);
     const double h = dt / parts;
+    find_link_parts(h, count);
     leap(0.5 * h, h, 0.0, dt, d);
-    for (int k = 1; k < count; ++k) leap(h, h, k * h, dt, d);
+    for (part_ = 1; part_ < count; ++part_) leap(h, h, part_ * h, dt, d);
     leap(0.5 * h, 0.0, dt, dt, d);
     finish(dt, d, s);
     StepReport report;
@@ -85,17 +90,49 @@ class SubsteppedVerlet : public Integrator {
         others_.push_back(energy);
       }
     }
+    lay_out_mesh(d);
     rest_.clear();
     for (int i = 0; i < n; ++i) {
-      if (sheet_of_[static_cast<size_t>(i)] < 0) rest_.push_back(i);
+      if (sheet_of_[static_cast<size_t>(i)] < 0 && !in_mesh(i)) rest_.push_back(i);
     }
   }
+
+  /// Where other terms have more to do than springs (rods), packets would only add the way there and back.
+  void lay_out_mesh(const Dynamics& d) {
+    mesh_.reset();
+    split_ = LinkSplit();
+    std::vector<const Energy*> left = others_;
+    const SpringTerms springs = take_springs(&left);
+    size_t elements = 0;
+    for (const Energy* energy : left) elements += static_cast<size_t>(energy->element_count());
+    if (springs.springs.empty() || springs.springs.size() < elements) return;
+    others_.swap(left);
+    split_ = split_links(springs.links, *d.mass, fraction_ * stable_dt_);
+    mesh_ = std::make_unique<MeshMotion<Real>>(springs, *d.mass, d.kinematics.node, split_);
+  }
+
+  bool in_mesh(int node) const { return mesh_ != nullptr && mesh_->contains(node); }
 
   /// Parts are leaps with damping that lags by half a part: stable as long as symplectic Euler is.
   void measure(const Dynamics& d, const State& s) {
     if (measured_ago_++ < kRemeasureSteps) return;
     measured_ago_ = 1;
     stable_dt_ = stable_step(*parts_scheme_, highest_frequency(d, s), highest_damping_rate(d, s));
+  }
+
+  /// In which of the parts of length h slow links act: every so many.
+  void find_link_parts(double h, int count) {
+    part_ = 0;
+    count_ = count;
+    together_ = std::clamp(static_cast<int>(split_.longest / h), 1, split_.together);
+    part_length_ = h;
+  }
+  /// s, of the present part.
+  double slow_kick() const {
+    if (part_ % together_ != 0 && part_ != count_) return 0.0;
+    const int before = part_ == 0 ? 0 : part_ - (part_ - 1) / together_ * together_;
+    const int after = std::min(together_, count_ - part_);
+    return 0.5 * part_length_ * (before + after);
   }
 
   void begin(double dt, const Dynamics& d, const State& s) {
@@ -106,12 +143,14 @@ class SubsteppedVerlet : public Integrator {
     const Kinematics& k = d.kinematics;
     held_force_.setZero(3, static_cast<Eigen::Index>(k.node.size()));
     held_v_.resize(3, held_force_.cols());
+    mesh_impulse_.setZero(3, held_force_.cols());
     for (Eigen::Index i = 0; i < held_force_.cols(); ++i) {
       const int node = k.node[static_cast<size_t>(i)];
       held_v_.col(i) = s.v.col(node);
       work_.v.col(node) = (k.target.col(i) - s.x.col(node)) / dt;
     }
     for (auto& sheet : sheets_) sheet->load(work_.x, work_.v, dt);
+    if (mesh_ != nullptr) mesh_->load(work_, dt);
     impulse_.assign(d.contacts.size(), Vec3::Zero());
     if (!d.contacts.empty()) find_contact_nodes(d);
   }
@@ -123,6 +162,7 @@ class SubsteppedVerlet : public Integrator {
     if (more != nullptr) {
       if (time > 0.0) {
         for (auto& sheet : sheets_) sheet->store(&work_.x, &work_.v);
+        if (mesh_ != nullptr) mesh_->store(&work_.x, &work_.v);
       }
       force_.setZero(3, work_.x.cols());
       for (const Energy* energy : others_) energy->add_force(work_, &force_);
@@ -131,6 +171,7 @@ class SubsteppedVerlet : public Integrator {
       sheet->leap(kick, drift, everywhere_, more);
       sheet->add_held_forces(kick / dt, &held_force_);
     }
+    if (mesh_ != nullptr) mesh_->leap(kick, slow_kick(), drift, everywhere_, more, &mesh_impulse_);
     leap_rest(kick, drift, dt, *d);
     if (!d->contacts.empty()) resolve_contacts(kick, drift, dt - time - drift, d);
   }
@@ -149,7 +190,8 @@ class SubsteppedVerlet : public Integrator {
     if (others_.empty()) return;
     for (Eigen::Index i = 0; i < held_force_.cols(); ++i) {
       const int node = d.kinematics.node[static_cast<size_t>(i)];
-      if (sheet_of_[static_cast<size_t>(node)] < 0) held_force_.col(i) += kick / dt * force_.col(node);
+      if (sheet_of_[static_cast<size_t>(node)] < 0 && !in_mesh(node))
+        held_force_.col(i) += kick / dt * force_.col(node);
     }
   }
 
@@ -191,6 +233,7 @@ class SubsteppedVerlet : public Integrator {
       const int node = near_[k], sheet = sheet_of_[static_cast<size_t>(node)];
       Vec3 x = work_.x.col(node), v = work_.v.col(node);
       if (sheet >= 0) sheets_[static_cast<size_t>(sheet)]->get(node, &x, &v);
+      if (in_mesh(node)) mesh_->get(node, &x, &v);
       near_state_.x.col(static_cast<Eigen::Index>(k)) = x;
       near_state_.v.col(static_cast<Eigen::Index>(k)) = v;
     }
@@ -206,6 +249,8 @@ class SubsteppedVerlet : public Integrator {
                  v = near_state_.v.col(static_cast<Eigen::Index>(k));
       if (sheet >= 0) {
         sheets_[static_cast<size_t>(sheet)]->set(node, x, v);
+      } else if (in_mesh(node)) {
+        mesh_->set(node, x, v);
       } else {
         work_.x.col(node) = x;
         work_.v.col(node) = v;
@@ -216,6 +261,8 @@ class SubsteppedVerlet : public Integrator {
 
   void finish(double dt, Dynamics* d, State* s) {
     for (auto& sheet : sheets_) sheet->store(&work_.x, &work_.v);
+    if (mesh_ != nullptr) mesh_->store(&work_.x, &work_.v);
+    held_force_ += mesh_impulse_ / dt;
     Kinematics& k = d->kinematics;
     k.reaction.resize(3, held_force_.cols());
     for (Eigen::Index i = 0; i < held_force_.cols(); ++i) {
@@ -243,12 +290,18 @@ class SubsteppedVerlet : public Integrator {
   Nodes weight_;                  // N, of all nodes: everywhere_ without its drag
   Eigen::VectorXd inverse_mass_;  // 0 at held nodes
   std::vector<std::unique_ptr<SheetMotion<Real>>> sheets_;
-  std::vector<int> sheet_of_;  // by node, -1: none
-  std::vector<int> rest_;      // nodes of no sheet
+  std::vector<int> sheet_of_;               // by node, -1: none
+  std::unique_ptr<MeshMotion<Real>> mesh_;  // null: no springs but those of sheets
+  LinkSplit split_;
+  int together_ = 1;          // parts between two impulses of slow links
+  int part_ = 0, count_ = 0;  // the present part, and how many there are
+  double part_length_ = 0.0;  // s
+  std::vector<int> rest_;     // nodes of no sheet and of no mesh
 
   State work_;
   double start_time_ = 0.0;
   Nodes force_;                // of others_, all nodes
+  Nodes mesh_impulse_;         // N s so far, of held nodes of the mesh
   Nodes held_force_, held_v_;  // of held nodes: mean force of terms that are no MassForce; velocity at the start
 
   ImpulseContacts impulses_;

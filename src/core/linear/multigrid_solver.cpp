@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "deformable_sim/core/linear/aggregation_multigrid.h"
+#include "deformable_sim/core/linear/kept_links.h"
+#include "deformable_sim/core/linear/packet_kernels.h"
 #include "deformable_sim/core/linear/row_order.h"
+#include "deformable_sim/core/linear/row_packets.h"
+#include "deformable_sim/core/linear/spring_rows.h"
 
 namespace deformable_sim {
 namespace {
@@ -19,59 +22,35 @@ constexpr double kWeight = 0.5;  // of a link's stiffness in the scalar operator
 // The coarse levels are renewed when more than one row sum in this many has changed by more than the ratio.
 constexpr int kStaleShare = 12;
 constexpr float kStaleRatio = 2.0f;
-// Links below this share of the geometric mean of both rows' sums are left out: Newton's matrix need not be exact, and
-// of a plate on a crooked mesh they are half of all.
-constexpr double kLeastLink = 0.01;
 constexpr double kOtherStiffness = 1.5;  // a Laplacian that has changed by more is made anew
 
-/// Nodes breadth first from a node of least degree, so that neighbours lie near each other in memory [Cuthill 1969].
-std::vector<int> breadth_first(const BlockMatrix& a) {
-  const auto degree = [&](int i) {
-    return a.row_start()[static_cast<size_t>(i) + 1] - a.row_start()[static_cast<size_t>(i)];
-  };
-  std::vector<int> starts(static_cast<size_t>(a.rows())), order, next;
-  for (int i = 0; i < a.rows(); ++i) starts[static_cast<size_t>(i)] = i;
-  std::stable_sort(starts.begin(), starts.end(), [&](int i, int j) { return degree(i) < degree(j); });
-  std::vector<char> seen(starts.size(), 0);
-  for (int start : starts) {
-    if (seen[static_cast<size_t>(start)] != 0) continue;
-    seen[static_cast<size_t>(start)] = 1;
-    order.push_back(start);
-    for (size_t k = order.size() - 1; k < order.size(); ++k) {
-      next.clear();
-      const auto i = static_cast<size_t>(order[k]);
-      for (int slot = a.row_start()[i]; slot < a.row_start()[i + 1]; ++slot) {
-        const int j = a.column()[static_cast<size_t>(slot)];
-        if (seen[static_cast<size_t>(j)] != 0) continue;
-        seen[static_cast<size_t>(j)] = 1;
-        next.push_back(j);
-      }
-      std::stable_sort(next.begin(), next.end(), [&](int p, int q) { return degree(p) < degree(q); });
-      order.insert(order.end(), next.begin(), next.end());
-    }
-  }
-  return order;
-}
+using Neighbours = std::vector<std::vector<int>>;
 
 class Solver : public MultigridSolver {
  public:
-  Solver() : kernels_(block_kernels(simd_level())), coarse_(kernels_) {}
+  Solver() : kernels_(block_kernels(simd_level())), packets_(packet_kernels(simd_level())), coarse_(kernels_) {}
 
   void set_links(const std::vector<const ConstantLinks*>& links, double tau, const std::vector<int>& held) override {
-    links_ = links;
+    links_.set(links);
     link_tau_ = tau;
     held_nodes_ = held;
+  }
+
+  void set_springs(const std::vector<SpringElement>& springs) override {
+    if (springs_.set(springs)) laid_out_springs_ = false;
+  }
+
+  void place_springs(const Nodes& x, double dx, double dv, Transverse transverse) override {
+    springs_.place(x, dx, dv, transverse == Transverse::kProjected ? 1.0 : 0.0);
   }
 
   void forget() override { stiffness_ = weight_tau_ = 0.0; }
 
   void prepare(const BlockMatrix& a) override {
-    const bool same = a.row_start() == pattern_rows_ && a.column() == pattern_columns_ && held_nodes_ == laid_out_held_;
-    if (!same) {
-      lay_out(a);
-      lay_out_links(a.rows());
-    }
-    scale_links();
+    const bool same = laid_out_springs_ && a.row_start() == pattern_rows_ && a.column() == pattern_columns_ &&
+                      held_nodes_ == laid_out_held_;
+    if (!same) lay_out(a);
+    links_.scale(link_tau_);
     // A shorter step makes lambda_max smaller.
     if (!same || link_tau_ > weight_tau_) set_weight(a);
     const double stiffness = total_weight(a);
@@ -94,7 +73,9 @@ class Solver : public MultigridSolver {
     const double norm = std::sqrt(squares / static_cast<double>(std::max<size_t>(1, node_.size())));
     const double goal = std::max(tolerance.absolute, std::max(tolerance.relative, kDigits) * norm);
     if (norm <= goal) return report;
-    report.iterations = iterate(b, goal / norm, tolerance.iterations, &report.solved);
+    unit_ = b.cwiseAbs().maxCoeff();  // keeps single precision far from its ends
+    const double enough = goal / norm * (goal / norm) * squares / (unit_ * unit_);
+    report.iterations = iterate(b, enough, tolerance.iterations, &report.solved);
     for (size_t p = 0; p < node_.size(); ++p) {
       x->col(node_[p]) += sum_.col(static_cast<Eigen::Index>(p)).head<3>().cast<double>() * unit_;
     }
@@ -110,131 +91,77 @@ class Solver : public MultigridSolver {
     pattern_rows_ = a.row_start();
     pattern_columns_ = a.column();
     laid_out_held_ = held_nodes_;
+    laid_out_springs_ = true;
     const auto n = static_cast<size_t>(a.rows());
-    node_ = breadth_first(a);
-    size_links(a.rows());
-    sort_by_length(a);
+    const Neighbours neighbours = neighbours_of(a);
+    node_ = breadth_first(neighbours);
+    sort_by_length(neighbours);
     position_.resize(n);
     for (size_t p = 0; p < n; ++p) position_[static_cast<size_t>(node_[p])] = static_cast<int>(p);
     held_.assign(n, 0);
     for (int node : held_nodes_) held_[static_cast<size_t>(position_[static_cast<size_t>(node)])] = 1;
-    start_.assign(1, 0);
-    place_.clear();
-    slot_.clear();
-    diagonal_.resize(n);
+    pack_blocks(a);
+    springs_.pack(position_, held_, packets_.width);
+    links_.pack(position_, held_, packets_.width);
+    const auto padded = static_cast<Eigen::Index>(packets()) * packets_.width;
+    inverse_.assign(static_cast<size_t>(6 * padded), 0.0f);
+    weight_.resize(n);
+    for (AxisValues* values : {&row_sum_, &refreshed_}) values->setZero(4, padded);
+    for (PaddedNodes* m : {&r_, &z_, &p_, &q_, &t_, &correction_, &sum_}) m->setZero(4, padded);
+  }
+
+  int packets() const { return (static_cast<int>(node_.size()) + packets_.width - 1) / packets_.width; }
+
+  /// Rows of blocks in packets, the diagonal first.
+  void pack_blocks(const BlockMatrix& a) {
+    std::vector<int> length;
+    for (int i : node_) {
+      const auto k = static_cast<size_t>(i);
+      length.push_back(a.row_start()[k + 1] - a.row_start()[k]);
+    }
+    rows_.lay_out(length, packets_.width);
+    slot_.assign(rows_.size(), -1);
+    blocks_.assign(9 * rows_.size(), 0.0f);
     std::vector<std::array<int, 2>> row;
-    for (size_t p = 0; p < n; ++p) {
-      const auto i = static_cast<size_t>(node_[p]);
+    for (int p = 0; p < a.rows(); ++p) {
+      const int i = node_[static_cast<size_t>(p)];
       row.clear();
-      for (int k = a.row_start()[i]; k < a.row_start()[i + 1]; ++k) {
-        row.push_back({position_[static_cast<size_t>(a.column()[static_cast<size_t>(k)])], k});
+      for (int k = a.row_start()[static_cast<size_t>(i)]; k < a.row_start()[static_cast<size_t>(i) + 1]; ++k) {
+        const int column = a.column()[static_cast<size_t>(k)];
+        row.push_back({column == i ? -1 : position_[static_cast<size_t>(column)], k});
       }
       std::sort(row.begin(), row.end());
-      for (const auto& [column, slot] : row) {
-        if (column == static_cast<int>(p)) diagonal_[p] = static_cast<int>(place_.size());
-        place_.push_back(4U * static_cast<unsigned>(column));
-        slot_.push_back(slot);
-      }
-      start_.push_back(static_cast<int>(place_.size()));
-    }
-    blocks_.assign(9 * place_.size() + 3, 0.0f);
-    inverse_.assign(9 * n + 3, 0.0f);
-    weight_.resize(n);
-    for (AxisValues* values : {&row_sum_, &refreshed_}) values->setZero(4, a.rows());
-    for (PaddedNodes* m : {&r_, &z_, &p_, &q_, &t_, &correction_, &sum_}) m->setZero(4, a.rows());
-  }
-
-  void size_links(int rows) {
-    link_size_.assign(static_cast<size_t>(rows), 0.0);
-    for (const ConstantLinks* links : links_) {
-      for (size_t row = 0; row < links->sum.size(); ++row) {
-        link_size_[static_cast<size_t>(links->first_node + links->node[row])] = std::sqrt(std::abs(links->sum[row]));
+      for (size_t k = 0; k < row.size(); ++k) {
+        const auto entry = static_cast<int>(k);
+        if (row[k][0] >= 0) rows_.set_column(p, entry, row[k][0]);
+        slot_[rows_.at(p, entry)] = row[k][1];
       }
     }
   }
 
-  void sort_by_length(const BlockMatrix& a) {
-    std::vector<int> kept(node_.size(), 3), length(node_.size());
-    for (const ConstantLinks* links : links_) {
-      for (size_t row = 0; row < links->sum.size(); ++row) {
-        int& count = kept[static_cast<size_t>(links->first_node + links->node[row])];
-        for_each_kept(*links, row, [&](int, double) { ++count; });
-      }
+  Neighbours neighbours_of(const BlockMatrix& a) const {
+    Neighbours neighbours(static_cast<size_t>(a.rows()));
+    for (size_t i = 0; i < neighbours.size(); ++i) {
+      neighbours[i].assign(a.column().begin() + a.row_start()[i], a.column().begin() + a.row_start()[i + 1]);
     }
-    for (size_t i = 0; i < node_.size(); ++i) {
-      length[i] = 1024 * (a.row_start()[i + 1] - a.row_start()[i]) + kept[i] / 4;
+    for (const SpringElement& s : springs_.springs()) {
+      neighbours[static_cast<size_t>(s.a)].push_back(s.b);
+      neighbours[static_cast<size_t>(s.b)].push_back(s.a);
     }
+    return neighbours;
+  }
+
+  void sort_by_length(const Neighbours& neighbours) {
+    std::vector<int> length = links_.counts(node_.size());
+    for (size_t i = 0; i < node_.size(); ++i) length[i] += 1024 * static_cast<int>(neighbours[i].size());
     sort_in_windows([&](int i) { return length[static_cast<size_t>(i)]; }, &node_);
   }
 
-  /// visit(node, stiffness) for the links of a row that count.
-  void for_each_kept(const ConstantLinks& links, size_t row, const std::function<void(int, double)>& visit) const {
-    const double least = kLeastLink * std::sqrt(std::abs(links.sum[row]));
-    for (int e = links.row_start[row]; e < links.row_start[row + 1]; ++e) {
-      const auto k = static_cast<size_t>(e);
-      const int j = links.first_node + static_cast<int>(links.place[k] / 4);
-      const double other = link_size_[static_cast<size_t>(j)];
-      if (links.stiffness[k] != 0.0 && std::abs(links.stiffness[k]) >= least * other) visit(j, links.stiffness[k]);
-    }
-  }
-
-  /// All links together. Nodes that are held take part in neither row nor column.
-  void lay_out_links(int rows) {
-    link_start_.clear();
-    link_place_.clear();
-    link_stiffness_.clear();
-    link_damping_.clear();
-    link_sum_.assign(static_cast<size_t>(rows), 0.0f);
-    held_links_.assign(static_cast<size_t>(rows), {0.0f, 0.0f});
-    if (links_.empty()) return;
-    struct Link {
-      int column;
-      float stiffness, damping;
-    };
-    std::vector<std::vector<Link>> by_row(static_cast<size_t>(rows));
-    for (const ConstantLinks* links : links_) {
-      for (size_t row = 0; row < links->sum.size(); ++row) {
-        const auto p = static_cast<size_t>(position_[static_cast<size_t>(links->first_node + links->node[row])]);
-        if (held_[p] != 0) continue;
-        for_each_kept(*links, row, [&](int j, double stiffness) {
-          const int other = position_[static_cast<size_t>(j)];
-          const auto k = static_cast<float>(stiffness), c = static_cast<float>(links->damping * stiffness);
-          if (is_held(other)) {
-            held_links_[p][0] += k;
-            held_links_[p][1] += c;
-          } else {
-            by_row[p].push_back({other, k, c});
-          }
-        });
-      }
-    }
-    link_start_.assign(1, 0);
-    for (auto& row : by_row) {
-      row.resize((row.size() + 3) / 4 * 4, {0, 0.0f, 0.0f});
-      for (const Link& link : row) {
-        link_place_.push_back(4U * static_cast<unsigned>(link.column));
-        link_stiffness_.push_back(link.stiffness);
-        link_damping_.push_back(link.damping);
-      }
-      link_start_.push_back(static_cast<int>(link_place_.size()));
-    }
-    link_value_.resize(link_place_.size());
-  }
-
-  /// k + c / tau, and the sums over rows.
-  void scale_links() {
-    const auto rate = static_cast<float>(1.0 / link_tau_);
-    for (size_t k = 0; k < link_value_.size(); ++k) link_value_[k] = link_stiffness_[k] + rate * link_damping_[k];
-    for (size_t p = 0; p + 1 < link_start_.size(); ++p) {
-      link_sum_[p] = held_links_[p][0] + rate * held_links_[p][1];
-      for (int k = link_start_[p]; k < link_start_[p + 1]; ++k) link_sum_[p] += link_value_[static_cast<size_t>(k)];
-    }
-  }
-
-  static double total_weight(const BlockMatrix& a) {
+  double total_weight(const BlockMatrix& a) const {
     double sum = 0.0;
     for (int k = 0; k < a.block_count(); ++k) sum += a.block(k).norm();
     for (int i = 0; i < a.rows(); ++i) sum -= a.block(a.diagonal_slot(i)).norm();
+    for (const SpringElement& s : springs_.springs()) sum += 2.0 * springs_.norm_of(s);
     return sum;
   }
 
@@ -243,14 +170,24 @@ class Solver : public MultigridSolver {
     std::vector<Eigen::Triplet<double>> entries;
     for (int p = 0; p < a.rows(); ++p) {
       double degree = 0.0;
-      for (int k = start_[static_cast<size_t>(p)]; k < start_[static_cast<size_t>(p) + 1]; ++k) {
-        const auto column = static_cast<int>(place_[static_cast<size_t>(k)] / 4);
-        const double weight = kWeight * a.block(slot_[static_cast<size_t>(k)]).norm();
+      const auto i = static_cast<size_t>(node_[static_cast<size_t>(p)]);
+      for (int k = a.row_start()[i]; k < a.row_start()[i + 1]; ++k) {
+        const int column = position_[static_cast<size_t>(a.column()[static_cast<size_t>(k)])];
+        const double weight = kWeight * a.block(k).norm();
         if (column == p || weight == 0.0) continue;
         degree += weight;
         entries.emplace_back(p, column, -weight);
       }
       entries.emplace_back(p, p, degree);
+    }
+    for (const SpringElement& s : springs_.springs()) {
+      const int p = position_[static_cast<size_t>(s.a)], q = position_[static_cast<size_t>(s.b)];
+      if (is_held(p) || is_held(q)) continue;
+      const double weight = kWeight * springs_.norm_of(s);
+      entries.emplace_back(p, p, weight);
+      entries.emplace_back(q, q, weight);
+      entries.emplace_back(p, q, -weight);
+      entries.emplace_back(q, p, -weight);
     }
     GraphMatrix laplacian(a.rows(), a.rows());
     laplacian.setFromTriplets(entries.begin(), entries.end());
@@ -263,16 +200,16 @@ class Solver : public MultigridSolver {
     weight_tau_ = link_tau_;
     weight_of_sweep_ = 1.0f;
     copy(a);
-    const int n = static_cast<int>(node_.size());
-    for (Eigen::Index p = 0; p < z_.cols(); ++p) {
+    z_.setZero();
+    for (Eigen::Index p = 0; p < a.rows(); ++p) {
       for (int axis = 0; axis < 3; ++axis) z_(axis, p) = std::sin(static_cast<float>(7 * p + 3 * axis) * 1.3f);
     }
     z_.normalize();
     r_.setZero();
     float largest = 0.0f;
     for (int k = 0; k < kPowers; ++k) {
-      kernels_.residue(rows(), r_.data(), z_.data(), t_.data());
-      kernels_.sweep(n, inverse_.data(), t_.data(), z_.data());
+      packets_.residue(matrix(), r_.data(), z_.data(), t_.data());
+      packets_.sweep(packets(), inverse_.data(), t_.data(), z_.data());
       largest = z_.norm();
       z_ /= largest;
     }
@@ -280,8 +217,8 @@ class Solver : public MultigridSolver {
   }
 
   void copy(const BlockMatrix& a) {
-    kernels_.load({a.rows(), start_.data(), slot_.data(), diagonal_.data(), a.block(0).data()}, link_sum_.data(),
-                  weight_of_sweep_, blocks_.data(), inverse_.data(), row_sum_.data());
+    packets_.load(matrix(), {slot_.data(), a.block(0).data()}, springs_.source(node_), links_.rows().diagonal,
+                  weight_of_sweep_, blocks_.data(), springs_.blocks(), inverse_.data(), row_sum_.data());
   }
 
   /// Single precision copy, inverse diagonal blocks, and new coarse levels if contacts have changed.
@@ -289,7 +226,7 @@ class Solver : public MultigridSolver {
     copy(a);
     row_sum_ = row_sum_.cwiseMax(0.0f);
     int stale = 0;
-    for (Eigen::Index p = 0; p < row_sum_.cols(); ++p) {
+    for (Eigen::Index p = 0; p < a.rows(); ++p) {
       const auto now = row_sum_.col(p).array(), then = refreshed_.col(p).array();
       if ((now > kStaleRatio * then).any() || (kStaleRatio * now < then).any()) ++stale;
     }
@@ -300,31 +237,29 @@ class Solver : public MultigridSolver {
 
   /// z_ = M^-1 r_; returns r.z.
   double precondition() {
-    const int n = static_cast<int>(node_.size());
-    kernels_.sweep(n, inverse_.data(), r_.data(), z_.data());
+    packets_.sweep(packets(), inverse_.data(), r_.data(), z_.data());
     if (!coarse_works_) return dot(r_, z_);
-    const BlockRows a = rows();
-    kernels_.residue(a, r_.data(), z_.data(), t_.data());
+    const PacketMatrix a = matrix();
+    packets_.residue(a, r_.data(), z_.data(), t_.data());
     coarse_.correct(t_, &correction_);
-    return kernels_.correct(a, inverse_.data(), t_.data(), correction_.data(), r_.data(), z_.data());
+    return packets_.correct(a, inverse_.data(), t_.data(), correction_.data(), r_.data(), z_.data());
   }
 
-  /// From zero: sum_ * unit_ is the solution. Returns the iterations spent.
-  int iterate(const Nodes& b, double reduction, int most, bool* solved) {
+  /// From zero until the sum of weighted squares of r_ is `enough`: sum_ * unit_ is the solution. Returns the
+  /// iterations spent.
+  int iterate(const Nodes& b, double enough, int most, bool* solved) {
     const int n = static_cast<int>(node_.size());
-    unit_ = b.cwiseAbs().maxCoeff();  // keeps single precision far from its ends
-    double squares = 0.0;
-    for (size_t p = 0; p < node_.size(); ++p) {
-      const auto column = static_cast<Eigen::Index>(p);
-      r_.col(column).head<3>() = (b.col(node_[p]) / unit_).cast<float>();
-      squares += static_cast<double>((weight_[p] * r_.col(column)).squaredNorm());
+    const double scale = 1.0 / unit_;
+    for (int p = 0; p < n; ++p) {
+      const double* from = b.data() + 3 * static_cast<std::ptrdiff_t>(node_[static_cast<size_t>(p)]);
+      float* to = r_.data() + 4 * static_cast<std::ptrdiff_t>(p);
+      for (int d = 0; d < 3; ++d) to[d] = static_cast<float>(scale * from[d]);
     }
     sum_.setZero();
     p_.setZero();
     *solved = false;
-    const BlockRows a = rows();
-    const LinkRows<float> links{link_start_.empty() ? 0 : n, link_start_.data(), link_place_.data(), link_value_.data(),
-                                link_sum_.data()};
+    const PacketMatrix a = matrix();
+    const LinkPackets links = links_.rows();
     double rz = 1.0;  // p_ is 0
     for (int iteration = 1; iteration <= most; ++iteration) {
       const double rz_new = precondition();
@@ -338,18 +273,18 @@ class Solver : public MultigridSolver {
       if (!(rz_new > 0.0)) return iteration;
       kernels_.direct(n, z_.data(), static_cast<float>(rz_new / rz), p_.data());
       rz = rz_new;
-      const double curvature = kernels_.product(a, links, p_.data(), q_.data());
+      const double curvature = packets_.product(a, links, p_.data(), q_.data());
       definite_ = definite_ && curvature > 0.0;
       if (!(curvature > 0.0)) return iteration;
       const auto alpha = static_cast<float>(rz / curvature);
       const double left = kernels_.advance(n, alpha, p_.data(), q_.data(), weight_.data(), sum_.data(), r_.data());
-      *solved = left <= reduction * reduction * squares;
+      *solved = left <= enough;
       if (*solved) return iteration;
     }
     return most;
   }
 
-  BlockRows rows() const { return {static_cast<int>(node_.size()), start_.data(), place_.data(), blocks_.data()}; }
+  PacketMatrix matrix() const { return {packets(), rows_.rows(), springs_.rows(), blocks_.data(), springs_.blocks()}; }
 
   static double dot(const PaddedNodes& a, const PaddedNodes& b) {
     double sum = 0.0;
@@ -358,6 +293,7 @@ class Solver : public MultigridSolver {
   }
 
   const BlockKernels& kernels_;
+  const PacketKernels& packets_;
   AggregationMultigrid coarse_;
   bool coarse_works_ = false;
   float weight_of_sweep_ = kSmoothing;
@@ -368,25 +304,19 @@ class Solver : public MultigridSolver {
   double stiffness_ = 0.0;            // of all links of the coarse levels, N/m
   std::vector<int> node_, position_;  // node at a position, position of a node
   std::vector<char> held_;            // by position
-  std::vector<int> start_, slot_, diagonal_;
-  std::vector<unsigned> place_;  // four times the column
-  std::vector<float> blocks_;    // of the matrix, nine floats each, by columns
-  std::vector<float> inverse_;   // of the diagonal blocks, times the smoothing weight
+  RowPackets rows_;
+  std::vector<int> slot_;
+  std::vector<float> blocks_;   // of the matrix
+  std::vector<float> inverse_;  // of the diagonal blocks, times the smoothing weight
+  SpringRows springs_;
+  bool laid_out_springs_ = false;
   std::vector<float> weight_;
   AxisValues row_sum_, refreshed_;  // of the matrix at hand and of the coarse levels
   PaddedNodes r_, z_, p_, q_, t_, correction_, sum_;
 
-  // Constant links, all together.
-  std::vector<const ConstantLinks*> links_;
+  KeptLinks links_;
   double link_tau_ = 1.0;
   std::vector<int> held_nodes_;
-  std::vector<double> link_size_;  // by node: square root of the row's sum
-  std::vector<int> link_start_;
-  std::vector<unsigned> link_place_;
-  std::vector<float> link_stiffness_, link_damping_;  // k in N/m, c in N s/m
-  std::vector<std::array<float, 2>> held_links_;      // k and c to held nodes, by row
-  std::vector<float> link_value_, link_sum_;          // k + c / tau
-
   double unit_ = 1.0;
   bool definite_ = true;  // as far as this solve has seen
 };

@@ -11,6 +11,8 @@
 
 namespace deformable_sim {
 
+struct ConstantLinks;
+
 struct KnownSpring {
   int a, b;          // world nodes
   double length;     // m
@@ -31,6 +33,19 @@ struct KnownTerms {
 /// first that is none of the above: finite elements, rods, bending by angles. nodes: 0 to refuse only, no matrices.
 KnownTerms sort_terms(const std::string& integrator, const std::vector<const Energy*>& energies, Eigen::Index nodes,
                       const std::vector<const Energy*>& without);
+
+/// Springs and constant links, for kernels that know nothing else.
+struct SpringTerms {
+  std::vector<KnownSpring> springs;
+  std::vector<const ConstantLinks*> links;  // exact, with one damping
+  std::vector<const Energy*> link_terms;    // what they are of
+};
+
+/// Whether a solver that takes springs and constant links apart (Needs::links_apart) has no need of the term's blocks.
+bool stays_apart(const Energy& energy);
+
+/// Takes springs out of `terms`, and constant links between nodes that have springs.
+SpringTerms take_springs(std::vector<const Energy*>* terms);
 
 /// Throws what sort_terms() would.
 void refuse_unknown_terms(const std::string& integrator, const std::vector<std::unique_ptr<Energy>>& energies);

@@ -35,7 +35,7 @@ struct Dynamics {
 struct Needs {
   bool jacobian = false;
   bool lumped_mass = false;  // cannot do with Dynamics::mass_matrix
-  bool links_apart = false;  // the pattern may lack terms of constant links (Energy::constant_links)
+  bool links_apart = false;  // the pattern may lack springs and terms of constant links (stays_apart())
 };
 
 struct StepReport {
@@ -77,8 +77,8 @@ struct SolverSettings {
   double tolerance = 0.02;        // RMS unbalanced acceleration at which Newton stops, m/s^2
   double linear_tolerance = 0.1;  // relative residual of one linear solve
   int linear_iterations = 200;    // at most, per linear solve
-  /// Of sheets on grids, where a scheme has kernels for them: single is twice as fast and has an error of about 1e-4 of
-  /// its own.
+  /// Of sheets on grids and of springs on any mesh, where a scheme has kernels for them: single takes half to two
+  /// thirds of the time and has an error of about 1e-4 of its own.
   enum class Precision { kDouble, kSingle };
   Precision precision = Precision::kDouble;
   /// Length of the parts of substepped_verlet over the longest stable one, 0 < f <= 0.95. Its error shrinks with f^2.

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <array>
-#include <type_traits>
 #include <vector>
 
 #include "deformable_sim/core/energy/energy.h"
 #include "deformable_sim/core/grasp/kinematics.h"
 #include "deformable_sim/core/grid/bands.h"
 #include "deformable_sim/core/grid/motion_rows.h"
+#include "deformable_sim/core/grid/position_unit.h"
 
 namespace deformable_sim {
 
@@ -38,15 +38,12 @@ class SheetMotion {
 
  private:
   using Position = typename MotionPosition<Real>::Type;
-  static constexpr bool kCounts = std::is_integral<Position>::value;
+  static constexpr bool kCounts = PositionUnit<Real>::kCounts;
   struct Held {
     Eigen::Index column;  // in Kinematics
     std::ptrdiff_t place;
   };
   MotionLeap<Real> numbers();
-  void choose_unit(const Nodes& x, const Nodes& v, double dt);
-  Position counted(double x, int d) const;
-  double position(std::ptrdiff_t place, int d) const;
   void put(std::ptrdiff_t place, std::ptrdiff_t own, const Vec3& x, const Vec3& v);
 
   const MotionKernels<Real>& kernels_;
@@ -55,10 +52,8 @@ class SheetMotion {
   RowArray<Position> x_, start_;
   RowArray<Real> v_, y_, bent_, force_, more_, gain_, passed_;
   std::array<RowArray<Real>, 3> row_;
-  Vec3 origin_ = Vec3::Zero();
-  double longest_;                      // m, of the springs at rest
-  double unit_ = 1.0, per_unit_ = 1.0;  // m, 1/m
-  double fastest_ = 0.0;                // m/s, at the end of a step: of what cannot have left the range
+  PositionUnit<Real> unit_;
+  double longest_;  // m, of the springs at rest
   std::vector<Held> held_;
   std::vector<unsigned char> keeps_;  // by row: has a held node
 };

@@ -14,8 +14,8 @@ class MultigridSolver;
 /// A = M / tau^2 - df/dx - (1 / tau) df/dv + contacts, one block row a node, rows and columns of prescribed nodes
 /// replaced by the identity.
 ///
-/// Terms of constant links may stay apart: their part of A is then known to a MultigridSolver alone, and blocks() lacks
-/// it.
+/// Springs and terms of constant links may stay apart: their part of A is then known to a MultigridSolver alone, and
+/// blocks() lacks it.
 class StageMatrix {
  public:
   enum class Links { kInBlocks, kApart };
@@ -44,11 +44,12 @@ class StageMatrix {
  private:
   void find_held_slots();
   void find_mass_slots();
-  void find_links();
+  void sort_terms();
 
   std::unique_ptr<LinearSolver> solver_;
   MultigridSolver* multigrid_ = nullptr;  // the solver, where links stay apart
   std::vector<const ConstantLinks*> links_;
+  std::vector<const Energy*> in_blocks_;
   BlockMatrix matrix_;
   double tau_ = 0.0;
   const Dynamics* dynamics_ = nullptr;
@@ -61,6 +62,7 @@ class StageMatrix {
   std::vector<double> share_;    // tau / tau_i of each node; only with a mass matrix
   double prepared_tau_ = 0.0;
   std::vector<const Energy*> prepared_energies_;
+  std::vector<const Energy*> sorted_energies_;
   bool stale_ = true;
 };
 

@@ -5,25 +5,6 @@
 
 namespace deformable_sim {
 
-/// Compressed rows of 3 x 3 blocks: nine floats a block, by columns; three floats follow the last one. `place` is four
-/// times the column: where its node lies.
-struct BlockRows {
-  int rows;
-  const int* start;
-  const unsigned* place;
-  const float* block;
-};
-
-/// Where the blocks of rows come from: nine doubles each, by columns; `slot` which of them, `diagonal` which of a
-/// row's.
-struct BlockSource {
-  int rows;
-  const int* start;
-  const int* slot;
-  const int* diagonal;
-  const double* block;
-};
-
 /// A spring between nodes a and b: rest length (m), stiffness (N/m), damping (N s/m).
 struct SpringElement {
   int a, b;
@@ -51,20 +32,8 @@ struct BlockKernels {
   /// each.
   void (*add_springs)(int count, const SpringElement* springs, const int* slots, const double* x, double dx, double dv,
                       double* blocks);
-  /// Single precision copies of blocks; per row weight (D + extra)^-1 of the diagonal block D, and in three of four
-  /// floats the sum of the blocks' diagonals.
-  void (*load)(const BlockSource& from, const float* extra, float weight, float* blocks, float* inverse,
-               float* row_sum);
-  /// z = D r, D nine floats a node as in BlockRows::block.
-  void (*sweep)(int n, const float* d, const float* r, float* z);
-  /// t = r - A z.
-  void (*residue)(const BlockRows& a, const float* r, const float* z, float* t);
-  /// z += c + D (t - A c); returns r.z.
-  double (*correct)(const BlockRows& a, const float* d, const float* t, const float* c, const float* r, float* z);
   /// p = z + beta p.
   void (*direct)(int n, const float* z, float beta, float* p);
-  /// q = (A - K) p, K as above, without it where k.rows is 0; returns p.q.
-  double (*product)(const BlockRows& a, const LinkRows<float>& k, const float* p, float* q);
   /// sum += alpha p, r -= alpha q; returns sum of w^2 |r|^2, w one float a node.
   double (*advance)(int n, float alpha, const float* p, const float* q, const float* w, float* sum, float* r);
   /// y = P x: rows of weights.

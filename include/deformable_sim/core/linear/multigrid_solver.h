@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "deformable_sim/core/linear/block_kernels.h"
 #include "deformable_sim/core/linear/constant_links.h"
 #include "deformable_sim/core/linear/linear_solver.h"
 
@@ -21,6 +22,12 @@ class MultigridSolver : public LinearSolver {
   /// To be called before prepare(): links whose derivatives, times 1 + damping / tau (s), A lacks, and the nodes whose
   /// rows are held. The links must outlive the use of the solver.
   virtual void set_links(const std::vector<const ConstantLinks*>& links, double tau, const std::vector<int>& held) = 0;
+  /// To be called before prepare(): springs that A lacks as well.
+  virtual void set_springs(const std::vector<SpringElement>& springs) = 0;
+  /// Before prepare() and every solve(): where the springs are, x (m, kept until solve()), and what of them A lacks, dx
+  /// dF/dd + dv dF/dw as Spring::stiffness has it, projected or axial.
+  enum class Transverse { kProjected, kNone };
+  virtual void place_springs(const Nodes& x, double dx, double dv, Transverse transverse) = 0;
   /// What is kept when only tau or the terms change is made anew by the next prepare().
   virtual void forget() = 0;
 };

@@ -19,4 +19,7 @@ void sort_in_windows(const Length& length, std::vector<int>* rows) {
   }
 }
 
+/// Nodes breadth first from a node of least degree, so that neighbours lie near each other in memory [Cuthill 1969].
+std::vector<int> breadth_first(const std::vector<std::vector<int>>& neighbours);
+
 }  // namespace deformable_sim
