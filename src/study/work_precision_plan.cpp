@@ -106,7 +106,7 @@ std::vector<Configuration> explicit_configurations(const Case& c, const std::str
   all[0].integrator = integrator;
   if (integrator != "substepped_verlet") return all;
   for (const char* precision : {"double", "single"}) {
-    if (!c.on_grid() && std::string(precision) == "single") continue;
+    if (c.features.kind != "cloth" && std::string(precision) == "single") continue;
     for (const double fraction : {0.95, 0.6}) {
       if (fraction == 0.95 && std::string(precision) == "double") continue;
       if (effort == study::Effort::kQuick && fraction != 0.95) continue;
