@@ -138,7 +138,8 @@ const Trajectory* Sweep::base(const Configuration& k) {
   for (Configuration& candidate : bases_) {
     if (candidate.integrator != k.integrator) continue;
     candidate.steps = k.steps;
-    const double expected = expected_cpu(candidate, rows_);
+    const double known_cost = expected_cpu(candidate, rows_);
+    const double expected = known_cost > 0.0 ? known_cost : guessed_cpu(*bench_.subject, candidate);
     if (expected > least || bench_.budget->spent() + expected > bench_.until) continue;
     least = expected;
     cheapest = &candidate;

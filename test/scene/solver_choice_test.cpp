@@ -160,12 +160,14 @@ TEST(SolverTableShipped, NeverChoosesWhatCostsHalfAsMuchAgainAsTheCheapest) {
   EXPECT_GT(checked, 60);
 }
 
-TEST(SolverTableShipped, KnowsSheetsOnGridsRopesRodsAndSolids) {
-  for (const char* bodies : {"sheet on a grid", "rope", "rod", "solid"}) {
+TEST(SolverTableShipped, KnowsSheetsRopesRodsAndSolids) {
+  for (const char* bodies : {"sheet on a grid", "sheet", "rope", "rod", "solid"}) {
     int count = 0;
     for (const SolverTable::Scene& scene : shipped().scenes) count += scene.features.bodies == bodies;
     EXPECT_GE(count, 2) << bodies;
   }
+  const auto& all = shipped().scenes;
+  EXPECT_TRUE(std::any_of(all.begin(), all.end(), [](const auto& scene) { return scene.features.bodies == "mixed"; }));
 }
 
 /// RMS distance of the points over the largest extent at the start, largest of T/4, T/2, 3T/4 and T.
