@@ -14,7 +14,7 @@ constexpr double kTightest = 1e-9;   // m/s^2
 constexpr int kFirstImplicit = 240;  // steps a second
 constexpr int kDirectNodes = 200;    // up to which a sheet or solid is factorised
 constexpr int kFewestSteps = 4;
-constexpr double kPartsOfStep = 16.0;  // of Verlet on a grid, before what is done once a step is forgotten
+constexpr double kPartsOfStep = 16.0;  // of Verlet by kernels, before what is done once a step is forgotten
 
 Configuration implicit(const Case& c, const std::string& integrator) {
   Configuration k;
@@ -38,8 +38,8 @@ Configuration explicit_scheme(const Case& c, const std::string& integrator) {
   return k;
 }
 
-/// Verlet by the kernels of sheets on grids: thirty times cheaper a step than Runge-Kutta, of the second order only.
-Configuration grid_scheme(const Case& c, double verlet_step) {
+/// Verlet by the kernels of sheets: on grids thirty times cheaper a step than Runge-Kutta, of the second order only.
+Configuration verlet_scheme(const Case& c, double verlet_step) {
   Configuration k;
   k.integrator = "substepped_verlet";
   k.steps = std::max(kFewestSteps, static_cast<int>(std::ceil(c.quarter() / (kPartsOfStep * verlet_step))));
@@ -141,10 +141,11 @@ Reference find_reference(const Case& c, const Yardstick& yardstick, double verle
   const double tight = tight_tolerance(c, verlet_step, kTightest);
   const Configuration rk4 = explicit_scheme(c, "rk4");
   const bool use_rk4 = !c.features.strain_limits && affordable(c, rk4, kMainShare * most);
-  const Configuration grid = grid_scheme(c, verlet_step);
-  const bool use_grid = !use_rk4 && c.on_grid() && !c.features.strain_limits && affordable(c, grid, kMainShare * most);
-  const bool is_explicit = use_rk4 || use_grid;
-  const Configuration main = use_rk4 ? rk4 : use_grid ? grid : implicit(c, "tr_bdf2");
+  const Configuration verlet = verlet_scheme(c, verlet_step);
+  const bool use_verlet =
+      !use_rk4 && c.features.kind == "cloth" && !c.features.strain_limits && affordable(c, verlet, kMainShare * most);
+  const bool is_explicit = use_rk4 || use_verlet;
+  const Configuration main = use_rk4 ? rk4 : use_verlet ? verlet : implicit(c, "tr_bdf2");
   const Configuration other = implicit(c, is_explicit ? "tr_bdf2" : "bdf2");
 
   progress->show("reference by " + main.family(), 0.0, most);
