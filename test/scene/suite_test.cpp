@@ -24,7 +24,7 @@ TEST_P(SuiteScene, SaysWhatItIsForLoadsAndSteps) {
 }
 
 TEST(Suite, CoversSheetsRopesASolidAndThreeStiffnessesADecade) {
-  EXPECT_EQ(scene_names(suite_dir()).size(), 19u);
+  EXPECT_EQ(scene_names(suite_dir()).size(), 21u);
   std::map<std::string, int> kinds;
   for (const std::string& name : scene_names(suite_dir())) ++kinds[scene_case(name, {}, 1.0)->features.kind];
   EXPECT_GE(kinds["cloth"], 6);
