@@ -109,7 +109,9 @@ Difference difference_to_generic(const Make& make, const std::string& scheme, in
     const StepReport a = one.step(*rope, 2e-3), b = other.step(*generic, 2e-3);
     EXPECT_TRUE(a.converged) << scheme << ", step " << k << ", " << a.residual;
     EXPECT_TRUE(b.converged) << scheme << ", step " << k << ", " << b.residual;
-    if (make.damping == 0.0) EXPECT_LT(a.newton_iterations, 16) << scheme;  // of two stages
+    if (make.damping == 0.0) {
+      EXPECT_LT(a.newton_iterations, 16) << scheme;  // of two stages
+    }
     d.x = std::max(d.x, (one.state.x - other.state.x).colwise().norm().maxCoeff());
     d.v = std::max(d.v, (one.state.v - other.state.v).colwise().norm().maxCoeff());
     d.reaction = std::max(d.reaction, (one.dynamics.kinematics.reaction - other.dynamics.kinematics.reaction).norm());

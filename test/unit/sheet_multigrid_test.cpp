@@ -182,6 +182,63 @@ TEST(SheetMultigrid, KnowsWhatTiesNodesToTheGround) {
   EXPECT_LT((correction(springs, &grids, 25) - without).cwiseAbs().maxCoeff(), 2e-5 * without.cwiseAbs().maxCoeff());
 }
 
+/// Bending of a sheet as a dense matrix, and its P^T K P with what reaches over two coarse nodes on the diagonal.
+Matrix bending_of(const GridSheet& sheet) {
+  Matrix k = Matrix::Zero(sheet.node_count(), sheet.node_count());
+  for (int node = 0; node < sheet.node_count(); ++node) {
+    const int row = node / sheet.cols, col = node % sheet.cols;
+    const auto& kind = sheet.bending.kind[static_cast<size_t>(sheet.bending.kind_of_row[static_cast<size_t>(row)])];
+    for (size_t e = 0; e < kStencil.size(); ++e) {
+      const int r = row + kStencil[e][0], c = col + kStencil[e][1];
+      if (r < 0 || r >= sheet.rows || c < 0 || c >= sheet.cols) continue;
+      k(node, r * sheet.cols + c) = kind[e][static_cast<size_t>(col)];
+    }
+  }
+  return k;
+}
+Matrix lumped(Matrix k, int cols) {
+  for (int i = 0; i < k.rows(); ++i) {
+    for (int j = 0; j < k.cols(); ++j) {
+      if (std::abs(i / cols - j / cols) <= 1 && std::abs(i % cols - j % cols) <= 1) continue;
+      k(i, i) += k(i, j);
+      k(i, j) = 0.0;
+    }
+  }
+  return k;
+}
+
+TEST(SheetMultigrid, KnowsBendingAndHeldNodes) {
+  // P^T S P + P^T X P + inertia P^T M P + factor P^T K P over the free nodes but for S, the springs of all, and X, the
+  // springs of held ones as ground beneath them; with X and what K does over two coarse nodes on the diagonal.
+  constexpr double kFactor = 1.7;
+  const GridTerms terms({4, 4, true, false, false, true});
+  const GridSheet& sheet = *terms.grid;
+  const int n = sheet.node_count();
+  for (const std::vector<int>& held : {std::vector<int>{}, {0}, {7, 12, 24}}) {
+    std::vector<char> free(static_cast<size_t>(n), 1);
+    for (int node : held) free[static_cast<size_t>(node)] = 0;
+    const Springs springs(sheet);
+    SheetMultigrid grids(sheet, std::vector<double>(free.size(), kMass), free);
+    grids.tune(kRate, kFactor);
+    grids.refresh(springs.shape(), springs.matrix(), {});
+    const Matrix line = kron(halving(5), halving(5));
+    Matrix kept = Matrix::Identity(n, n), ground = Matrix::Zero(27, 27);
+    for (int node : held) {
+      kept(node, node) = 0.0;
+      for (int c = 0; c < 9; ++c) {
+        ground.block<3, 3>(3 * c, 3 * c) += line(node, c) * springs.dense.block<3, 3>(3 * node, 3 * node);
+      }
+    }
+    const Matrix of_free = kept * line, p = kron(line, Mat3::Identity()), mine = kron(of_free, Mat3::Identity());
+    const Matrix scalar = kMass * kRate * of_free.transpose() * of_free +
+                          kFactor * lumped(of_free.transpose() * bending_of(sheet) * of_free, 3);
+    const Matrix coarse = p.transpose() * springs.dense * p + ground + kron(scalar, Mat3::Identity());
+    const Matrix expected = mine * coarse.llt().solve(Matrix::Identity(27, 27)) * mine.transpose();
+    const Matrix found = correction(springs, &grids, n);
+    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 2e-5 * expected.cwiseAbs().maxCoeff()) << held.size();
+  }
+}
+
 TEST(SheetMultigrid, StaysDefiniteWhateverTheSpringsAre) {
   // r . B r >= 0, > 0 for what the coarse grid can see; with held nodes, bending, and springs up to 1e9 N/m.
   for (double stiffness : {1e-3, 1.0, 1e3, 1e9}) {

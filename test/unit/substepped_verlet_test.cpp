@@ -72,6 +72,20 @@ struct Scene {
   std::vector<std::unique_ptr<Unknown>> unknown;
 };
 
+/// 0.2 s of one motion: by kernels, by terms of which nothing is known, and by kernels in single precision.
+void move(Scene* kernels, Scene* terms, Scene* single) {
+  terms->forget_kinds();
+  SolverSettings half;
+  half.precision = SolverSettings::Precision::kSingle;
+  const auto a = make_integrator("substepped_verlet", {}), b = make_integrator("substepped_verlet", {});
+  const auto c = make_integrator("substepped_verlet", half);
+  for (int k = 0; k < 20; ++k) {
+    kernels->body->step(*a, 0.01);
+    terms->body->step(*b, 0.01);
+    single->body->step(*c, 0.01);
+  }
+}
+
 TEST(SubsteppedVerlet, IsVelocityVerletInPartsOfTheStep) {
   // Without forces of velocity the merged kicks are those of velocity Verlet with the parts as steps: equal to
   // rounding, and so is the mean force at the held node.
@@ -100,16 +114,7 @@ TEST(SubsteppedVerlet, IsVelocityVerletInPartsOfTheStep) {
 TEST(SubsteppedVerlet, MovesASheetInRowsAsItMovesItsTerms) {
   // With damping of springs, of bending and of mass: terms and rows are the same forces.
   Scene rows(true, 0.003), terms(false, 0.003), single(true, 0.003);
-  terms.forget_kinds();
-  SolverSettings half;
-  half.precision = SolverSettings::Precision::kSingle;
-  const auto a = make_integrator("substepped_verlet", {}), b = make_integrator("substepped_verlet", {});
-  const auto c = make_integrator("substepped_verlet", half);
-  for (int k = 0; k < 20; ++k) {
-    rows.body->step(*a, 0.01);
-    terms.body->step(*b, 0.01);
-    single.body->step(*c, 0.01);
-  }
+  move(&rows, &terms, &single);
   EXPECT_GT((rows.body->state.x - Scene(true).body->state.x).cwiseAbs().maxCoeff(), 0.05);
   // The drag per mass is semi-implicit in both; the order of additions differs.
   EXPECT_LT((rows.body->state.x - terms.body->state.x).cwiseAbs().maxCoeff(), 1e-11);
@@ -123,16 +128,7 @@ TEST(SubsteppedVerlet, MovesAMeshInPacketsAsItMovesItsTerms) {
   // 0.15^2 / 24 of bending's share.
   for (const double damping : {0.0, 0.003}) {
     Scene packets(false, damping), terms(false, damping), single(false, damping);
-    terms.forget_kinds();
-    SolverSettings half;
-    half.precision = SolverSettings::Precision::kSingle;
-    const auto a = make_integrator("substepped_verlet", {}), b = make_integrator("substepped_verlet", {});
-    const auto c = make_integrator("substepped_verlet", half);
-    for (int k = 0; k < 20; ++k) {
-      packets.body->step(*a, 0.01);
-      terms.body->step(*b, 0.01);
-      single.body->step(*c, 0.01);
-    }
+    move(&packets, &terms, &single);
     const Nodes& x = packets.body->state.x;
     EXPECT_LT((x - terms.body->state.x).cwiseAbs().maxCoeff(), damping > 0.0 ? 1e-5 : 1e-11);
     EXPECT_LT((x - single.body->state.x).cwiseAbs().maxCoeff(), 1e-4);

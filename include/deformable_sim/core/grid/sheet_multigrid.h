@@ -19,8 +19,7 @@ namespace deformable_sim {
 ///
 /// Springs at held nodes are kept in P^T A P as if those were free, and resist there as ground does: no grid has to
 /// know which of its nodes are held in part. Bending reaches over two cells, its P^T A P over two coarse ones: what
-/// does so is lumped. A sheet on its grid alone would be taken for isotropic, far too stiff out of its plane; with
-/// these blocks conjugate gradients take a third of the iterations.
+/// does so is lumped.
 ///
 /// Not good at: wrinkles a few cells long, on which bilinear coarse motions would stretch the cloth.
 class SheetMultigrid {
@@ -46,9 +45,7 @@ class SheetMultigrid {
   /// A symmetric matrix of nine entries a node: itself, and the neighbours of higher index.
   struct Stencil {
     enum { kHere, kEast, kSouthWest, kSouth, kSouthEast, kEntries };
-    int rows = 0, cols = 0;
     std::array<std::vector<double>, kEntries> entry;
-    void resize(int row_count, int col_count);
   };
   struct Level {
     int rows, cols;
