@@ -92,7 +92,7 @@ TEST_P(EveryScheme, HoldsAFallingFaceOnAPlane) {
   double impulse = 0.0;
   for (int k = 0; k < 250; ++k) {
     ContactConstraint c;
-    c.node = {0, 1, 2};
+    c.node = {0, 1, 2, -1};
     c.weight = {1.0 / 3, 1.0 / 3, 1.0 / 3};
     c.count = 3;
     c.friction = 0.5;

@@ -60,8 +60,8 @@ class StrainProjection {
   struct Plane : Constraint {
     int index = 0;  // of the contact
     int count = 1;
-    std::array<int, 3> node{};  // local
-    std::array<double, 3> weight{};
+    std::array<int, 4> node{};  // local
+    std::array<double, 4> weight{};
     Vec3 n = Vec3::Zero();
     double offset = 0.0;
   };

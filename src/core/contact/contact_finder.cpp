@@ -169,9 +169,11 @@ void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, S
   const double gap = surface.distance - body.contact_radius;
   const double surface_offset = c.normal.dot(end);
   c.offset = surface_offset + body.contact_radius + std::min(0.0, gap + kExitSpeed * dt);
-  c.node = point.node;
   c.count = point.count;
-  for (int j = 0; j < 3; ++j) c.weight[static_cast<size_t>(j)] = j < point.count ? 1.0 / point.count : 0.0;
+  for (size_t j = 0; j < static_cast<size_t>(point.count); ++j) {
+    c.node[j] = point.node[j];
+    c.weight[j] = 1.0 / point.count;
+  }
   c.friction = std::sqrt(body.friction * shape.friction);
   c.collider = shape.collider;
   contacts->push_back(c);

@@ -141,7 +141,7 @@ void SheetSolve::couple() {
   for (const TargetSprings* springs : around_->targets) {
     for (int node : springs->nodes()) {
       const int i = index(node);
-      if (i >= 0) couplings.push_back({{place(i), 0, 0}, {1.0, 0.0, 0.0}, 1, springs->stiffness() * Mat3::Identity()});
+      if (i >= 0) couplings.push_back({{place(i), 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}, 1, springs->stiffness() * Mat3::Identity()});
     }
   }
   for (const LimitSprings* limits : around_->limits) {
@@ -155,11 +155,11 @@ void SheetSolve::couple() {
       const double r = d.norm(), transverse = settings_.jacobian == Jacobian::kAxial ? 0.0 : tension / r;
       const Vec3 n = d / r;
       const Mat3 h = (e.stiffness - transverse) * n * n.transpose() + transverse * Mat3::Identity();
-      couplings.push_back({{place(e.a), place(e.b), 0}, {1.0, -1.0, 0.0}, 2, h});
+      couplings.push_back({{place(e.a), place(e.b), 0, 0}, {1.0, -1.0, 0.0, 0.0}, 2, h});
     }
   }
   contacts_.for_each_jacobian(touched_x_, [&](const ContactConstraint& c, const Mat3& h) {
-    SheetCoupling coupling{{0, 0, 0}, {0.0, 0.0, 0.0}, c.count, h};
+    SheetCoupling coupling{{0, 0, 0, 0}, {0.0, 0.0, 0.0, 0.0}, c.count, h};
     for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
       coupling.place[k] = place(c.node[k]);
       coupling.weight[k] = touched_inverse_mass_[c.node[k]] > 0.0 ? c.weight[k] : 0.0;

@@ -14,8 +14,8 @@ namespace deformable_sim {
 
 /// What ties a few nodes to a plane, to a target or to each other: A += W^T H W, W p = sum weight p[place].
 struct SheetCoupling {
-  std::array<std::ptrdiff_t, 3> place;  // in the rows
-  std::array<double, 3> weight;
+  std::array<std::ptrdiff_t, 4> place;  // in the rows
+  std::array<double, 4> weight;
   int count;
   Mat3 matrix;  // H, N/m, symmetric and positive semi-definite
 };
