@@ -87,8 +87,25 @@ World::Parts::Parts(std::shared_ptr<const Model> shared_model, WorldSettings wor
   check_scheme(*integrator, *model);
   dynamics.grids = &model->grids;
   if (!model->strain_limits.empty()) limiter = std::make_unique<StrainLimiter>(*model);
+  make_meetings();
   if (integrator->needs().jacobian) make_pattern();
   start();
+}
+
+void World::Parts::make_meetings() {
+  size_t meeting = 0;
+  bool alone = false;
+  for (const Body& body : model->bodies) {
+    if (body.touches != BodyContact::kNone) ++meeting;
+    alone = alone || body.touches == BodyContact::kAll;
+  }
+  if (meeting < 2 && !alone) return;
+  meetings = std::make_unique<BodyContacts>(model.get());
+  dynamics.bodies_meet = meeting > 1;
+  const std::string crossing = meetings->find_crossing(model->initial.x);
+  if (!crossing.empty()) {
+    throw InputError(crossing + " at the start; place them apart, or leave out touches for one of them");
+  }
 }
 
 void World::Parts::make_pattern() {
@@ -153,6 +170,10 @@ void World::Parts::held_nodes_changed() {
       if (b == NodeRole::kHeld && a == NodeRole::kFree) a = NodeRole::kBesideHeld;
     }
   }
+  if (meetings) {
+    inverse_mass = model->mass.cwiseInverse();
+    for (int node : dynamics.kinematics.node) inverse_mass[node] = 0.0;
+  }
   stable_dt_age = -1;
   if (state.x_before.cols() == 0) state.dt_before = 0.0;  // a node let go has another acceleration
   integrator->reset();
@@ -185,7 +206,9 @@ void World::Parts::restore_last_good() {
 bool World::Parts::state_is_sane() const {
   // An implicit step whose forces are not numbers leaves a finite state and a residual that is none. Of a scheme whose
   // unknowns are tensions a large one is no sign of divergence: stiffness times what is left to do.
-  const double most = integrator->needs().jacobian ? kDiverged : std::numeric_limits<double>::max();
+  // Shorter parts are judged by how far what is left would move a node, as whole steps are.
+  const double most =
+      integrator->needs().jacobian ? kDiverged * substeps * substeps : std::numeric_limits<double>::max();
   // A sum is finite only where all that it sums is, and far quicker than a look at each.
   return std::isfinite(state.x.sum()) && std::isfinite(state.v.sum()) && report.residual <= most &&
          state.x.cwiseAbs().maxCoeff() <= kFurthest;
@@ -220,19 +243,35 @@ bool World::Parts::integrate_with_contacts(double h, const State& before) {
   double extra_reach = 0.0;
   for (int widening = 0;; ++widening) {
     double start = clock();
-    contacts->find(state, h, collider_steps, roles, extra_reach, &dynamics.contacts);
+    dynamics.contacts.clear();
+    if (contacts) contacts->find(state, h, collider_steps, roles, extra_reach, &dynamics.contacts);
+    if (meetings) meetings->find(state, h, dynamics.kinematics.node, dynamics.kinematics.target, &dynamics.contacts);
     cost.contact += clock() - start;
     integrate(h);
     if (!state_is_sane()) return false;
     start = clock();
-    const double missed = contacts->missed_motion(before.x, state.x);
+    const double missed = contacts ? contacts->missed_motion(before.x, state.x) : 0.0;
     cost.contact += clock() - start;
     if (missed == 0.0 || widening == kMaxWidenings) break;
     extra_reach += missed;
     state = before;
   }
-  violation = std::max(violation, contacts->violation(state.x, dynamics.contacts));
+  if (contacts) violation = std::max(violation, contacts->violation(state.x, dynamics.contacts));
+  if (meetings) keep_bodies_apart(h, before);
   return true;
+}
+
+/// Where even the last, shortest part would have bodies cross, nothing moves in it.
+void World::Parts::keep_bodies_apart(double h, const State& before) {
+  const double start = clock();
+  violation = std::max(violation, BodyContacts::violation(before.x, state.x, dynamics.contacts));
+  const double wanting = meetings->keep_apart(before.x, inverse_mass, h, &state);
+  if (wanting > 0.0) violation = std::max(violation, kLost + wanting);
+  if (wanting > 0.0 && refinements >= kMaxHalvings) {
+    state.x = before.x;
+    state.v.setZero();
+  }
+  cost.contact += clock() - start;
 }
 
 bool World::Parts::advance(double h, double fraction, const State& before) {
@@ -244,7 +283,7 @@ bool World::Parts::advance(double h, double fraction, const State& before) {
   }
 
   bool sane = false;
-  if (contacts) {
+  if (contacts || meetings) {
     sane = integrate_with_contacts(h, before);
   } else {
     integrate(h);
@@ -264,7 +303,7 @@ bool World::Parts::try_step(int parts) {
   violation = 0.0;
   grasps.clear_wrenches();
   for (int i = 0; i < parts; ++i) {
-    if (i > 0 && contacts) part_state = state;
+    if (i > 0 && (contacts || meetings)) part_state = state;
     if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
   }
   return true;
@@ -290,15 +329,18 @@ StepOutcome World::step() {
   w.keep_last_good();
   const int wanted = w.wanted_parts();
   w.substeps = wanted;
+  w.refinements = 0;
   bool ok = w.try_step(w.substeps);
   for (int refinement = 0; ok && w.is_poor(refinement); ++refinement) {
     w.restore_last_good();
     w.substeps *= 2;
+    ++w.refinements;
     ok = w.try_step(w.substeps);
   }
   for (int halvings = 1; !ok && halvings <= kMaxHalvings; ++halvings) {
     w.restore_last_good();
     w.substeps = wanted << halvings;
+    w.refinements = halvings;
     ok = w.try_step(w.substeps);
   }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "deformable_sim/core/contact/body_contacts.h"
 #include "deformable_sim/core/contact/collider_set.h"
 #include "deformable_sim/core/contact/contact_finder.h"
 #include "deformable_sim/core/grasp/grasp_set.h"
@@ -51,12 +52,15 @@ struct World::Parts {
   GraspSet grasps;
   ColliderSet colliders;
   std::unique_ptr<ContactFinder> contacts;  // only while there is a collider
+  Eigen::VectorXd inverse_mass;             // 1/kg, 0 at held nodes; only with meetings
+  std::unique_ptr<BodyContacts> meetings;   // only where bodies may touch one another, or themselves
   std::vector<PoseStep> collider_steps;     // of the last part of a step
   std::vector<NodeRole> roles;              // per node
 
   // Of the last step.
   StepReport report;
   int substeps = 1;
+  int refinements = 0;  // how often the last step was begun anew in shorter parts
   double max_penetration = 0.0;
   double violation = 0.0;  // m, of the worst contact in any part of the step
   std::string failure;     // why the last step could not be made
@@ -76,6 +80,8 @@ struct World::Parts {
 
   /// What the schemes' matrices are made of, as far as this scene needs any.
   void make_pattern();
+  /// Throws InputError where bodies that may not cross do from the start.
+  void make_meetings();
   /// Initial state, colliders and grasps. Throws InputError.
   void start();
   /// Kinematics, springs and everything that depends on which nodes are held.
@@ -93,6 +99,8 @@ struct World::Parts {
   bool advance(double h, double fraction, const State& before);
   /// Finds contacts and integrates, again with a wider reach while some node moved further than was looked for.
   bool integrate_with_contacts(double h, const State& before);
+  /// After a part of a step from `before`: nothing has crossed, or the step is made again.
+  void keep_bodies_apart(double h, const State& before);
   void integrate(double h);
   void limit_strain(double h);
   bool state_is_sane() const;

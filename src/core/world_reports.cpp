@@ -57,7 +57,9 @@ void count_contacts(const Model& model, const ContactConstraints& contacts, Snap
     for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) force.col(c.node[k]) += c.weight[k] * c.force;
     for (size_t b = 0; b < model.bodies.size(); ++b) {
       const Body& body = model.bodies[b];
-      if (c.node[0] >= body.first_node && c.node[0] < body.first_node + body.node_count) ++s->bodies[b].contacts;
+      const auto has = [&](int node) { return node >= body.first_node && node < body.first_node + body.node_count; };
+      // The last node is of the other body where there are two.
+      if (has(c.node[0]) || has(c.node[static_cast<size_t>(c.count) - 1])) ++s->bodies[b].contacts;
     }
   }
   s->contact_force = force.colwise().norm().transpose().cast<float>();
@@ -207,7 +209,7 @@ Snapshot World::snapshot(SnapshotDetail detail) const {
   if (w.dynamics.pattern != nullptr) s.cost.push_back({"linear solver", cost.solve * per_second});
   s.cost.push_back({"integrator", std::max(0.0, cost.integrate - cost.assembly - cost.solve) * per_second});
   if (w.limiter) s.cost.push_back({"strain limits", cost.limits * per_second});
-  if (w.contacts) s.cost.push_back({"contact", cost.contact * per_second});
+  if (w.contacts || w.meetings) s.cost.push_back({"contact", cost.contact * per_second});
   if (!w.grasps.empty()) s.cost.push_back({"grasps", cost.grasps * per_second});
   return s;
 }
@@ -262,6 +264,10 @@ std::vector<BillItem> World::bill() const {
                     std::to_string(w.contacts->point_count()) + " points, " +
                         std::to_string(w.contacts->shape_count()) + " shapes",
                     cost.contact / total});
+  if (w.meetings) {
+    bill.push_back({"contact of bodies", std::to_string(w.meetings->piece_count()) + " pieces",
+                    w.contacts ? 0.0 : cost.contact / total});
+  }
   if (!w.grasps.empty())
     bill.push_back({"grasps", std::to_string(w.grasps.held_count()) + " nodes", cost.grasps / total});
   return bill;

@@ -68,6 +68,16 @@ void add_common_keys(Table<BodySpec>* table, const std::string& contact_radius) 
                 "Coulomb coefficient; a contact takes the geometric mean of body and collider.");
   table->optional_number("contact_radius", "m", &BodySpec::contact_radius, between(0.0001, 0.1), contact_radius,
                          "Distance kept between the body's nodes and collider surfaces.");
+  table->add(
+      {"touches", "word", "", "none", "none, others, all",
+       "Which deformable bodies it feels, of those that touch any: none, all others, or itself, too. They keep the "
+       "sum of their contact radii apart and never cross; where they do at the start the scene is refused."},
+      [](const YamlValue& v, const std::string& path, BodySpec* body) {
+        const std::string word = read_choice(v, path, {"none", "others", "all"});
+        body->touches = word == "all"      ? BodyContact::kAll
+                        : word == "others" ? BodyContact::kOthers
+                                           : BodyContact::kNone;
+      });
   table->add({"color", "[r, g, b]", "", "by order", "0 ... 1", "Colour in rviz."}, read_color);
   table->add(
       {"pins", "list of features", "", "[]", "features of the body",

@@ -96,6 +96,14 @@ void check_rope(const YamlValue& entry, const std::string& path, const BodySpec&
   if (body.closed && body.segments < 3) {
     refuse(*entry.find("closed"), path + ".closed", "a loop needs at least 3 segments");
   }
+  if (const YamlValue* points = entry.find("path")) {
+    if (body.rope.model == RopeModel::kRod) refuse(*points, path + ".path", "belongs to model: springs or untwisted");
+    if (body.path.size() < 2) refuse(*points, path + ".path", "needs two points at least");
+    for (size_t k = 1; k < body.path.size(); ++k) {
+      if ((body.path[k] - body.path[k - 1]).norm() > 1e-6) continue;
+      refuse(*points, path + ".path[" + std::to_string(k) + "]", "is where the point before it is");
+    }
+  }
   const YamlValue* material = entry.find("material");
   if (body.rope.model == RopeModel::kRod) {
     if (body.closed) only_with(&entry, path, {"initial_twist", "start"}, "belongs to an open rod");

@@ -272,6 +272,7 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
     body.kind = from.kind;
     body.first_node = parts.node_count;
     body.friction = from.friction;
+    body.touches = from.touches;
     const std::array<double, 3> color = from.color.value_or(kPalette[b % kPalette.size()]);
     body.color = {color[0], color[1], color[2], 1.0};
     try {

@@ -120,6 +120,22 @@ void add_springs(const BodySpec& spec, const Polyline& line, Body* body, Parts* 
   }
 }
 
+/// Nodes at their distances at rest, along a path of the same length.
+Nodes along(const std::vector<Vec3>& path, const Polyline& line) {
+  Nodes x(3, line.rest.cols());
+  size_t leg = 1;
+  double passed = 0.0;  // before this leg
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const double at = (line.rest.col(i) - line.rest.col(0)).norm();
+    while (leg + 1 < path.size() && at > passed + (path[leg] - path[leg - 1]).norm()) {
+      passed += (path[leg] - path[leg - 1]).norm();
+      ++leg;
+    }
+    x.col(i) = path[leg - 1] + (at - passed) * (path[leg] - path[leg - 1]).normalized();
+  }
+  return x;
+}
+
 }  // namespace
 
 double segments_per_second(const BodySpec& rope) {
@@ -150,7 +166,8 @@ void add_rope(const BodySpec& spec, Body* body, Parts* parts) {
     segments.segments.push_back({ends[0] + body->first_node, ends[1] + body->first_node});
   }
   parts->lines.push_back(std::move(segments));
-  place_nodes(line.rest, spec.pose.pose(), line_masses(line, material.linear_density), body, parts);
+  place_nodes(spec.path.empty() ? line.rest : along(spec.path, line), spec.pose.pose(),
+              line_masses(line, material.linear_density), body, parts);
   if (material.elastic_limit) body->valid_strain[1] = *material.elastic_limit;
   // A chord between two nodes would cut a round collider deeper than a rope is thick.
   body->contact_at_faces = true;

@@ -45,6 +45,17 @@ void add_model_keys(Table<BodySpec>* t) {
       "load.");
 }
 
+void read_path(const YamlValue& v, const std::string& path, BodySpec* body) {
+  body->path.clear();
+  body->length = 0.0;
+  for (const YamlValue& item : read_list(v, path, "points [x, y, z]")) {
+    Vec3 point;
+    read_vector(item, path + "[" + std::to_string(body->path.size()) + "]", between(-1000, 1000), point.data(), 3);
+    if (!body->path.empty()) body->length += (point - body->path.back()).norm();
+    body->path.push_back(point);
+  }
+}
+
 }  // namespace
 
 Table<RopeMaterialSpec> rope_material_table() {
@@ -95,6 +106,12 @@ Table<BodySpec> rope_table() {
   t.integer("segments", &BodySpec::segments, 1, 100000,
             "One node more than segments; as many when closed (at least 3).");
   t.boolean("closed", &BodySpec::closed, "A loop.");
+  t.add({"path", "list of [x, y, z]", "m", "straight", between(-1000, 1000).text(),
+         "Points in the frame of its pose, two at least, that it lies along at the start, straight from each to the "
+         "next: "
+         "a knot, for one. They give its length. Not for rods and loops."},
+        read_path);
+  t.at_most_one_of({"length", "path"}).at_most_one_of({"closed", "path"});
   add_model_keys(&t);
   t.add({"material", "map or name", "", "", "", "See bodies[].rope.material."},
         [](const YamlValue& v, const std::string& path, BodySpec* body) {

@@ -53,7 +53,9 @@ SceneFeatures features_of(const SceneSpec& spec, const Model& model) {
   features.bodies = bodies_of(spec, model);
   features.nodes = model.point_count();
   features.explicit_steps = std::max(kLeastSteps, kFrame / stable_step_of(model));
-  features.contact = !spec.colliders.empty() || spec.robot.present;
+  features.contact = !spec.colliders.empty() || spec.robot.present ||
+                     std::any_of(spec.bodies.begin(), spec.bodies.end(),
+                                 [](const BodySpec& body) { return body.touches != BodyContact::kNone; });
   features.strain_limits = !model.strain_limits.empty();
   return features;
 }

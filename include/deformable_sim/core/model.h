@@ -21,6 +21,9 @@ namespace deformable_sim {
 /// Values equal BodyState.kind.
 enum class BodyKind { kCloth = 0, kRope = 1, kSoft = 2 };
 
+/// Which deformable bodies a body feels, of those that feel others at all.
+enum class BodyContact { kNone, kOthers, kAll };  // kAll: itself, too
+
 /// An edge whose relative elongation is reported as strain.
 struct StrainEdge {
   std::array<int, 2> node;  // world node indices
@@ -45,6 +48,7 @@ struct Body {
   std::shared_ptr<const Polyline> line;         // rope; body-local indices
   double contact_radius = 0.0;                  // m: distance kept between nodes and collider surfaces
   bool contact_at_faces = false;                // also hold face centroids / segment midpoints off colliders
+  BodyContact touches = BodyContact::kNone;
   double friction = 0.5;
   double draw_radius = 0.0;  // m, rope tube
   // A rod with twist: its segments are those of `line`, starting here among all rod segments of the model (State keeps

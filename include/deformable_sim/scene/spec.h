@@ -147,6 +147,7 @@ struct BodySpec {
   PoseSpec pose;                               // world from body
   std::optional<std::array<double, 3>> color;  // rgb 0..1
   double friction = 0.5;
+  BodyContact touches = BodyContact::kNone;
   std::vector<std::string> pins;  // features held where they start: corner_0, edge_2, end_1 ...; each
                                   // becomes a rigid grasp named pin_<body>_<feature>
   Location pins_where;
@@ -169,6 +170,7 @@ struct BodySpec {
   double length = 1.0;  // m
   int segments = 50;
   bool closed = false;
+  std::vector<Vec3> path;  // m, in the body's frame: a rope lies along it at the start; empty: straight, or a loop
   RopeMaterialSpec rope_material;
   RopeModelSpec rope;
 

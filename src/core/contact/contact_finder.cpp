@@ -87,7 +87,6 @@ void ContactFinder::place_points(const std::vector<ContactPoint>& points, const 
 
 void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>& poses,
                          const std::vector<NodeRole>& roles, double extra_reach, ContactConstraints* contacts) {
-  contacts->clear();
   std::swap(planes_, last_planes_);
   planes_.clear();
   last_plane_ = 0;
@@ -250,7 +249,7 @@ double ContactFinder::missed_motion(const Nodes& before, const Nodes& after) {
 
 double ContactFinder::violation(const Nodes& x, const ContactConstraints& contacts) const {
   double worst = 0.0;
-  for (size_t i = 0; i < contacts.size(); ++i)
+  for (size_t i = 0; i < planes_.size(); ++i)
     worst = std::max(worst, planes_[i].asked_offset - contacts[i].normal.dot(position(contacts[i], x)));
   return worst;
 }
@@ -259,7 +258,7 @@ double ContactFinder::penetration(const Nodes& x, const std::vector<PoseStep>& p
                                   const ContactConstraints& contacts) {
   double deepest = 0.0;
   int placed = -1;
-  for (size_t i = 0; i < contacts.size(); ++i) {
+  for (size_t i = 0; i < planes_.size(); ++i) {
     const ContactConstraint& c = contacts[i];
     const Plane& plane = planes_[i];
     const Vec3 p = position(c, x);

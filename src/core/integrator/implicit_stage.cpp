@@ -321,7 +321,10 @@ void ImplicitStage::assemble() {
     const bool lagged = settings_.jacobian == Jacobian::kLagged;
     matrix_.add_forces(trial_, 1.0, 1.0 / tau_, lagged && !full_steps_ ? Jacobian::kProjected : settings_.jacobian);
   }
-  if (!contacts_.empty()) contacts_.add_jacobian(trial_.x, &matrix_.blocks());
+  matrix_.couplings().clear();
+  if (!contacts_.empty()) {
+    contacts_.add_jacobian(trial_.x, inverse_mass_, &matrix_.blocks(), &matrix_.couplings());
+  }
   matrix_.hold();
 }
 

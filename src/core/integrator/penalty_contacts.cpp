@@ -123,8 +123,19 @@ void PenaltyContacts::add_force(const Nodes& x, Nodes* f) const {
   }
 }
 
-void PenaltyContacts::add_jacobian(const Nodes& x, BlockMatrix* a) {
-  for_each_jacobian(x, [a](const ContactConstraint& c, const Mat3& h) {
+void PenaltyContacts::add_jacobian(const Nodes& x, const Eigen::VectorXd& inverse_mass, BlockMatrix* a,
+                                   NodeCouplings* couplings) {
+  couplings->clear();
+  for_each_jacobian(x, [&](const ContactConstraint& c, const Mat3& h) {
+    if (c.collider < 0 && c.count > 1) {
+      NodeCouplings::Coupling coupling{c.node, c.weight, c.count, h};
+      for (size_t i = 0; i < static_cast<size_t>(c.count); ++i) {
+        if (inverse_mass[c.node[i]] == 0.0) coupling.weight[i] = 0.0;
+        a->block(a->diagonal_slot(c.node[i])) += coupling.weight[i] * coupling.weight[i] * h;
+      }
+      couplings->add(coupling);
+      return;
+    }
     for (size_t i = 0; i < static_cast<size_t>(c.count); ++i) {
       for (size_t j = 0; j < static_cast<size_t>(c.count); ++j) {
         a->block(a->slot(c.node[i], c.node[j])) += c.weight[i] * c.weight[j] * h;

@@ -141,7 +141,8 @@ void SheetSolve::couple() {
   for (const TargetSprings* springs : around_->targets) {
     for (int node : springs->nodes()) {
       const int i = index(node);
-      if (i >= 0) couplings.push_back({{place(i), 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}, 1, springs->stiffness() * Mat3::Identity()});
+      if (i >= 0)
+        couplings.push_back({{place(i), 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}, 1, springs->stiffness() * Mat3::Identity()});
     }
   }
   for (const LimitSprings* limits : around_->limits) {

@@ -39,7 +39,7 @@ bool sheets_fit(const Dynamics& d) {
            dynamic_cast<const LimitSprings*>(energy) != nullptr ||
            std::find(in_rows.begin(), in_rows.end(), energy) != in_rows.end();
   };
-  return count == d.mass->size() && d.mass_matrix == nullptr &&
+  return count == d.mass->size() && d.mass_matrix == nullptr && !d.bodies_meet &&
          std::all_of(d.energies.begin(), d.energies.end(), known);
 }
 

@@ -10,6 +10,8 @@
 namespace deformable_sim {
 namespace {
 
+constexpr double kInner = 1e-3;  // relative residual of a solve that preconditions
+
 std::unique_ptr<LinearSolver> make_solver(SolverSettings::Linear linear) {
   switch (linear) {
     case SolverSettings::Linear::kDirect:
@@ -163,8 +165,22 @@ LinearReport StageMatrix::solve(const Nodes& b, const Eigen::VectorXd& weight, c
     stale_ = false;
   }
   step->setZero();
-  const LinearReport linear = solver_->solve(matrix_, b, weight, tolerance, step);
+  const bool taken = !couplings_.empty() && solver_->take(&couplings_);
+  LinearReport linear = solver_->solve(matrix_, b, weight, tolerance, step);
+  if (taken) solver_->take(nullptr);
   for (int node : held_) step->col(node).setZero();
+  if (!couplings_.empty() && !taken && linear.definite) {
+    const LinearTolerance inner = {kInner, 0.0, tolerance.iterations};
+    const auto precondition = [&](const Nodes& r, Nodes* z) {
+      if (linear.kept) return solve_again(r, z);
+      z->setZero(3, r.cols());
+      const LinearReport part = solver_->solve(matrix_, r, weight, inner, z);
+      linear.iterations += part.iterations;
+      for (int node : held_) z->col(node).setZero();
+      return part.definite;
+    };
+    couplings_.solve(b, weight, tolerance, precondition, step, &linear);
+  }
   report->linear_iterations += linear.iterations;
   return linear;
 }

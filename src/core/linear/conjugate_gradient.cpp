@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "deformable_sim/core/linear/linear_solver.h"
+#include "deformable_sim/core/linear/node_couplings.h"
 #include "deformable_sim/core/linear/scalar_factor.h"
 
 namespace deformable_sim {
@@ -48,6 +49,7 @@ class ConjugateGradient : public LinearSolver {
     residual_ = b;
     if (!x->isZero(0.0)) {
       a.multiply(*x, &product_);
+      if (couplings_ != nullptr) couplings_->add_beside_diagonal([](int node) { return node; }, *x, &product_);
       residual_ -= product_;
     }
     double norm = rms(residual_, weight);
@@ -58,6 +60,7 @@ class ConjugateGradient : public LinearSolver {
       report.definite = definite_;
       if (reduction > kSinglePrecision && report.iterations < tolerance.iterations) return report;
       a.multiply(*x, &product_);
+      if (couplings_ != nullptr) couplings_->add_beside_diagonal([](int node) { return node; }, *x, &product_);
       residual_ = b - product_;
       const double last = norm;
       norm = rms(residual_, weight);
@@ -65,6 +68,11 @@ class ConjugateGradient : public LinearSolver {
     }
     report.solved = norm <= goal;
     return report;
+  }
+
+  bool take(const NodeCouplings* couplings) override {
+    couplings_ = couplings;
+    return true;
   }
 
  private:
@@ -140,6 +148,7 @@ class ConjugateGradient : public LinearSolver {
       }
       rz = rz_new;
       multiply(a, p_, &ap_);
+      if (couplings_ != nullptr) couplings_->add_beside_diagonal([](int node) { return node; }, p_, &ap_);
       const double curvature = dot(p_, ap_);
       definite_ = definite_ && curvature > 0.0;
       if (!(curvature > 0.0)) return iteration;
@@ -158,6 +167,7 @@ class ConjugateGradient : public LinearSolver {
   }
 
   ScalarFactor factor_;
+  const NodeCouplings* couplings_ = nullptr;
   std::vector<Padded3> blocks_;   // of the matrix, by slot
   std::vector<Padded3> inverse_;  // of the diagonal blocks, times the smoothing weight
   PaddedNodes r_, z_, p_, ap_, t_, coarse_, work_, sum_;

@@ -6,6 +6,7 @@
 
 #include "deformable_sim/core/linear/aggregation_multigrid.h"
 #include "deformable_sim/core/linear/kept_links.h"
+#include "deformable_sim/core/linear/node_couplings.h"
 #include "deformable_sim/core/linear/packet_kernels.h"
 #include "deformable_sim/core/linear/row_order.h"
 #include "deformable_sim/core/linear/row_packets.h"
@@ -58,6 +59,11 @@ class Solver : public MultigridSolver {
     stiffness_ = stiffness;
     coarse_.prepare(laplacian_of(a));
     refreshed_.setZero();
+  }
+
+  bool take(const NodeCouplings* couplings) override {
+    couplings_ = couplings;
+    return true;
   }
 
   LinearReport solve(const BlockMatrix& a, const Nodes& b, const Eigen::VectorXd& weight,
@@ -273,7 +279,11 @@ class Solver : public MultigridSolver {
       if (!(rz_new > 0.0)) return iteration;
       kernels_.direct(n, z_.data(), static_cast<float>(rz_new / rz), p_.data());
       rz = rz_new;
-      const double curvature = packets_.product(a, links, p_.data(), q_.data());
+      double curvature = packets_.product(a, links, p_.data(), q_.data());
+      if (couplings_ != nullptr) {
+        const auto place = [this](int node) { return position_[static_cast<size_t>(node)]; };
+        curvature += couplings_->add_beside_diagonal(place, p_, &q_);
+      }
       definite_ = definite_ && curvature > 0.0;
       if (!(curvature > 0.0)) return iteration;
       const auto alpha = static_cast<float>(rz / curvature);
@@ -314,6 +324,7 @@ class Solver : public MultigridSolver {
   AxisValues row_sum_, refreshed_;  // of the matrix at hand and of the coarse levels
   PaddedNodes r_, z_, p_, q_, t_, correction_, sum_;
 
+  const NodeCouplings* couplings_ = nullptr;
   KeptLinks links_;
   double link_tau_ = 1.0;
   std::vector<int> held_nodes_;

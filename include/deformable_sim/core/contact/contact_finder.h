@@ -37,7 +37,7 @@ class ContactFinder {
   /// Points were put elsewhere from outside.
   void forget_sides() { planes_.clear(); }
 
-  /// Planes for the step from `s` to s.time + dt. `roles`, one a node, tells who gets contacts.
+  /// Appends planes for the step from `s` to s.time + dt. `roles`, one a node, tells who gets contacts.
   /// `extra_reach` (m) widens the search. Order: by shape, then by point; the same state gives the same list.
   void find(const State& s, double dt, const std::vector<PoseStep>& poses, const std::vector<NodeRole>& roles,
             double extra_reach, ContactConstraints* contacts);

@@ -29,6 +29,7 @@ struct Dynamics {
   /// Sheets on grids: what some schemes evaluate in place of the terms these stand for. Null: none.
   const std::vector<GridSheet>* grids = nullptr;
   const Workers* workers = nullptr;  // null: one thread
+  bool bodies_meet = false;          // contacts may join nodes of different bodies
 };
 
 /// What a scheme asks to exist.

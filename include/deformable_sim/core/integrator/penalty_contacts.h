@@ -5,6 +5,7 @@
 
 #include "deformable_sim/core/contact/constraint.h"
 #include "deformable_sim/core/linear/block_matrix.h"
+#include "deformable_sim/core/linear/node_couplings.h"
 
 namespace deformable_sim {
 
@@ -40,8 +41,9 @@ class PenaltyContacts {
   void push_out(double depth, const Eigen::VectorXd& inverse_mass, Nodes* x) const;
   /// f += contact forces at x.
   void add_force(const Nodes& x, Nodes* f) const;
-  /// A += -df/dx at x, symmetric and positive semi-definite.
-  void add_jacobian(const Nodes& x, BlockMatrix* a);
+  /// A += -df/dx at x, symmetric and positive semi-definite; of contacts between bodies, whose nodes the pattern need
+  /// not join, the diagonal blocks, and all of it to `couplings`. Nodes of inverse_mass 0 are held.
+  void add_jacobian(const Nodes& x, const Eigen::VectorXd& inverse_mass, BlockMatrix* a, NodeCouplings* couplings);
   /// visit(constraint, h) for each closed contact: -df/dp of its point p at x, as in add_jacobian().
   template <class Visit>
   void for_each_jacobian(const Nodes& x, const Visit& visit) {

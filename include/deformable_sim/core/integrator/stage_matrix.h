@@ -6,6 +6,7 @@
 
 #include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/core/linear/linear_solver.h"
+#include "deformable_sim/core/linear/node_couplings.h"
 
 namespace deformable_sim {
 
@@ -39,6 +40,8 @@ class StageMatrix {
   bool solve_again(const Nodes& b, Nodes* step);
 
   BlockMatrix& blocks() { return matrix_; }
+  /// Beside blocks(), which have their diagonal; to be filled anew for every matrix.
+  NodeCouplings& couplings() { return couplings_; }
   const std::vector<int>& held() const { return held_; }
 
  private:
@@ -51,6 +54,7 @@ class StageMatrix {
   std::vector<const ConstantLinks*> links_;
   std::vector<const Energy*> in_blocks_;
   BlockMatrix matrix_;
+  NodeCouplings couplings_;
   double tau_ = 0.0;
   const Dynamics* dynamics_ = nullptr;
 

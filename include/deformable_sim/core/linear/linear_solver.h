@@ -7,6 +7,8 @@
 
 namespace deformable_sim {
 
+class NodeCouplings;
+
 struct LinearReport {
   int iterations = 0;    // 0 for a direct solver
   bool solved = true;    // tolerance reached; direct: the factorisation exists
@@ -32,6 +34,9 @@ class LinearSolver {
   /// LinearTolerance.
   virtual LinearReport solve(const BlockMatrix& a, const Nodes& b, const Eigen::VectorXd& weight,
                              const LinearTolerance& tolerance, Nodes* x) = 0;
+  /// Adds what is beside the diagonal of `couplings` to the matrices of all solves from now on; null: nothing. False by
+  /// solvers that cannot, for which NodeCouplings::solve() does. They must outlive their use.
+  virtual bool take(const NodeCouplings* /*couplings*/) { return false; }
   /// x := A^-1 b with the matrix of the last solve(); false, and nothing done, by solvers that keep no factor of all of
   /// it.
   virtual bool solve_again(const Nodes& /*b*/, Nodes* /*x*/) { return false; }
