@@ -9,6 +9,8 @@
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/distance.h>
 
+#include "deformable_sim/core/contact/grid_cache.h"
+
 namespace deformable_sim {
 namespace {
 
@@ -50,7 +52,14 @@ ColliderMesh::ColliderMesh(SolidPart part, const MeshBuild& build)
   }
   convex_ = is_convex();
   grid_ = DistanceGrid(box_);
+  if (build.cache_folder.empty()) {
+    fill_grid(build.progress);
+    return;
+  }
+  const std::uint64_t hash = content_hash(part_);
+  if (read_grid(build.cache_folder, hash, &grid_)) return;
   fill_grid(build.progress);
+  write_grid(build.cache_folder, hash, grid_);
 }
 
 bool ColliderMesh::is_convex() const {
