@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"open mesh collider", with("colliders:\n  - mesh: {name: m, file: '" + kMeshDir + "quad.obj'}\n"),
                 "s.yaml:8: colliders[0].mesh.file: "},
         Refusal{"robot of negative padding", with("robot: {padding: -0.1}\n"),
-                "s.yaml:7: robot.padding: -0.1; allowed: 0 ... 1"},
+                "s.yaml:7: robot.padding: -0.1 is out of range; allowed: 0 ... 1"},
         Refusal{"grasp without body", with("grasps:\n  - name: g\n    select: {feature: center}\n"),
                 "s.yaml:8: grasps[0].body: required, and missing"},
         Refusal{"grasp without select", with("grasps:\n  - name: g\n    body: sheet\n"),

@@ -129,6 +129,10 @@ TEST_P(ColliderMeshOf, KeepsFastPointsOutByItsPlanes) {
     ASSERT_FALSE(planes.empty());
     for (size_t i = 0; i < planes.size(); ++i) {
       EXPECT_GE(planes[i].distance, surface.distance - 1e-12);
+      for (const int v : solid->triangles()[static_cast<size_t>(planes[i].triangle)]) {
+        const Vec3& vertex = solid->vertices()[static_cast<size_t>(v)];
+        EXPECT_LT(planes[i].distance + planes[i].normal.dot(vertex - p), 1e-7) << "the triangle is below its plane";
+      }
       if (i > 0) {
         EXPECT_GT(planes[i].triangle, planes[i - 1].triangle);
       }
