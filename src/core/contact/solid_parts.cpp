@@ -16,6 +16,8 @@ namespace {
 constexpr double kFarthest = 1e6;  // m
 /// A triangle this much lower than it is long has no normal to speak of.
 constexpr double kLeastHeight = 1e-9;
+/// Such triangles that are mended; a mesh with more of them is refused.
+constexpr int kMostRepairs = 1000;
 /// Volume over (area)^1.5 below which a part is a folded sheet; a sphere has 0.094, a plate of 1 : 1000 about 4e-4.
 constexpr double kLeastBulk = 1e-9;
 
@@ -60,6 +62,50 @@ std::vector<int> weld(const Nodes& x) {
   return first;
 }
 
+/// The corner opposite to the longest side of a triangle without area; -1 for one with an area.
+int flat_corner(const std::array<int, 3>& v, const Nodes& x) {
+  std::array<double, 3> opposite{};
+  for (size_t k = 0; k < 3; ++k) opposite[k] = (x.col(v[(k + 2) % 3]) - x.col(v[(k + 1) % 3])).norm();
+  const auto longest = std::max_element(opposite.begin(), opposite.end());
+  const Vec3 normal = Vec3(x.col(v[1]) - x.col(v[0])).cross(Vec3(x.col(v[2]) - x.col(v[0])));
+  return normal.norm() > kLeastHeight * *longest * *longest ? -1 : static_cast<int>(longest - opposite.begin());
+}
+
+bool has(const std::array<int, 3>& triangle, int vertex) {
+  return std::find(triangle.begin(), triangle.end(), vertex) != triangle.end();
+}
+
+/// A triangle without area has its middle vertex on its longest side: the triangle beyond that side is cut in two
+/// there, which leaves none in between and the surface where it was.
+void remove_flat(const Nodes& x, Triangles* triangles) {
+  int repairs = 0;
+  for (size_t t = 0; t < triangles->size();) {
+    const std::array<int, 3> flat = (*triangles)[t];
+    const int k = flat_corner(flat, x);
+    if (k < 0) {
+      ++t;
+      continue;
+    }
+    const int middle = flat[static_cast<size_t>(k)], a = flat[static_cast<size_t>((k + 1) % 3)],
+              b = flat[static_cast<size_t>((k + 2) % 3)];
+    size_t beyond = 0;
+    while (beyond < triangles->size() &&
+           (beyond == t || !has((*triangles)[beyond], a) || !has((*triangles)[beyond], b)))
+      ++beyond;
+    if (beyond == triangles->size() || ++repairs > kMostRepairs)
+      throw InputError("a triangle at " + place_of(x.col(a)) + " has no area");
+    if (has((*triangles)[beyond], middle)) {  // the same three vertices: both go
+      triangles->erase(triangles->begin() + static_cast<std::ptrdiff_t>(std::max(t, beyond)));
+      triangles->erase(triangles->begin() + static_cast<std::ptrdiff_t>(std::min(t, beyond)));
+    } else {
+      (*triangles)[t] = (*triangles)[beyond];
+      std::replace((*triangles)[beyond].begin(), (*triangles)[beyond].end(), a, middle);
+      std::replace((*triangles)[t].begin(), (*triangles)[t].end(), b, middle);
+    }
+    t = 0;
+  }
+}
+
 Triangles welded_triangles(const TriangleMesh& mesh) {
   const std::vector<int> first = weld(mesh.rest);
   Triangles kept;
@@ -67,12 +113,9 @@ Triangles welded_triangles(const TriangleMesh& mesh) {
     std::array<int, 3> v = mesh.triangles[t];
     for (int& i : v) i = first[static_cast<size_t>(i)];
     if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
-    const Vec3 a = mesh.rest.col(v[0]), b = mesh.rest.col(v[1]), c = mesh.rest.col(v[2]);
-    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    if ((b - a).cross(c - a).norm() <= kLeastHeight * longest * longest)
-      throw InputError("triangle " + std::to_string(t) + " at " + place_of(a) + " has no area");
     kept.push_back(v);
   }
+  remove_flat(mesh.rest, &kept);
   if (kept.empty()) throw InputError("has no triangle with an area");
   return kept;
 }
