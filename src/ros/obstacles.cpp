@@ -1,6 +1,11 @@
 #include "deformable_sim/ros/obstacles.h"
 
+#include <algorithm>
+
+#include "deformable_sim/core/contact/solid_parts.h"
+#include "deformable_sim/ros/build_progress.h"
 #include "deformable_sim/ros/convert.h"
+#include "deformable_sim/scene/collider_file.h"
 
 namespace deformable_sim {
 
@@ -24,12 +29,16 @@ Shape to_shape(const shape_msgs::SolidPrimitive& primitive) {
     case Primitive::CYLINDER:
       shape.type = Shape::Type::kCylinder;
       break;
+    case Primitive::CONE:
+      shape.type = Shape::Type::kCone;
+      break;
     case msg::Obstacle::CAPSULE:
       shape.type = Shape::Type::kCapsule;
       break;
     default:
       throw InputError("primitives.type: " + std::to_string(primitive.type) +
-                       ", allowed are BOX 1, SPHERE 2, CYLINDER 3, CAPSULE " + std::to_string(msg::Obstacle::CAPSULE));
+                       ", allowed are BOX 1, SPHERE 2, CYLINDER 3, CONE 4, CAPSULE " +
+                       std::to_string(msg::Obstacle::CAPSULE));
   }
   if (primitive.dimensions.size() != dimensions) {
     throw InputError("primitives.dimensions: " + std::to_string(primitive.dimensions.size()) +
@@ -58,16 +67,40 @@ Pose to_pose(const shape_msgs::Plane& plane) {
   return pose;
 }
 
-void check_sizes(const msg::Obstacle& m) {
-  if (!m.meshes.empty() || !m.mesh_poses.empty()) {
-    throw InputError(
-        "meshes: mesh obstacles are not in this version; boxes, spheres, cylinders, capsules and planes are",
-        Code::kUnavailable);
-  }
-  if (m.primitives.size() + m.planes.size() > kMostShapes) {
-    throw InputError("primitives: " + std::to_string(m.primitives.size() + m.planes.size()) + " shapes, at most " +
-                         std::to_string(kMostShapes) + " are allowed",
+std::vector<Shape> to_shapes(const shape_msgs::Mesh& m, const std::string& name, std::size_t number) {
+  const std::string who = "meshes[" + std::to_string(number) + "]: ";
+  if (m.triangles.size() > static_cast<std::size_t>(kMostColliderTriangles) ||
+      m.vertices.size() > 3 * static_cast<std::size_t>(kMostColliderTriangles)) {
+    throw InputError(who + std::to_string(m.triangles.size()) + " triangles and " + std::to_string(m.vertices.size()) +
+                         " vertices, at most " + std::to_string(kMostColliderTriangles) + " triangles are allowed",
                      Code::kOutOfRange);
+  }
+  TriangleMesh mesh;
+  mesh.rest.resize(3, static_cast<Eigen::Index>(m.vertices.size()));
+  for (std::size_t i = 0; i < m.vertices.size(); ++i) {
+    mesh.rest.col(static_cast<Eigen::Index>(i)) << m.vertices[i].x, m.vertices[i].y, m.vertices[i].z;
+  }
+  for (const shape_msgs::MeshTriangle& t : m.triangles) {
+    std::array<int, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      // An index beyond all vertices stays one.
+      corners[k] = static_cast<int>(std::min<std::size_t>(t.vertex_indices[k], m.vertices.size()));
+    }
+    mesh.triangles.push_back(corners);
+  }
+  try {
+    return mesh_shapes(mesh, 0.0, build_progress(name));
+  } catch (const InputError& error) {
+    throw InputError(who + error.what(), error.code());
+  }
+}
+
+void check_sizes(const msg::Obstacle& m) {
+  const std::size_t shapes = m.primitives.size() + m.meshes.size() + m.planes.size();
+  if (shapes > kMostShapes) {
+    throw InputError(
+        "primitives: " + std::to_string(shapes) + " shapes, at most " + std::to_string(kMostShapes) + " are allowed",
+        Code::kOutOfRange);
   }
 }
 
@@ -80,8 +113,12 @@ ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
     throw InputError("primitive_poses: " + std::to_string(m.primitive_poses.size()) + " for " +
                      std::to_string(m.primitives.size()) + " primitives, one for each is needed");
   }
-  if (m.primitives.empty() && m.planes.empty())
-    throw InputError("primitives: none, and no plane; an obstacle needs a shape");
+  if (m.meshes.size() != m.mesh_poses.size()) {
+    throw InputError("mesh_poses: " + std::to_string(m.mesh_poses.size()) + " for " + std::to_string(m.meshes.size()) +
+                     " meshes, one for each is needed");
+  }
+  if (m.primitives.empty() && m.meshes.empty() && m.planes.empty())
+    throw InputError("primitives: none, no mesh and no plane; an obstacle needs a shape");
 
   ObstacleRequest request;
   Collider& collider = request.collider;
@@ -92,6 +129,13 @@ ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
   for (std::size_t i = 0; i < m.primitives.size(); ++i) {
     collider.shapes.push_back(to_shape(m.primitives[i]));
     poses.push_back(to_pose(m.primitive_poses[i], "primitive_poses"));
+  }
+  for (std::size_t i = 0; i < m.meshes.size(); ++i) {
+    const Pose pose = to_pose(m.mesh_poses[i], "mesh_poses");
+    for (Shape& shape : to_shapes(m.meshes[i], m.name, i)) {
+      collider.shapes.push_back(std::move(shape));
+      poses.push_back(pose);
+    }
   }
   for (const shape_msgs::Plane& plane : m.planes) {
     Shape shape;
@@ -109,10 +153,15 @@ ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
 
 command::MoveCollider to_obstacle_move(const msg::Obstacle& m, Frames* frames) {
   check_name("name", m.name);
-  if (m.primitive_poses.empty() && m.planes.empty()) {
-    throw InputError("primitive_poses: empty; MOVE needs the new pose of the first primitive (or the first plane)");
+  if (m.primitive_poses.empty() && m.mesh_poses.empty() && m.planes.empty()) {
+    throw InputError(
+        "primitive_poses: empty; MOVE needs the new pose of the first primitive (else of the first mesh, else the "
+        "first "
+        "plane)");
   }
-  const Pose pose = m.primitive_poses.empty() ? to_pose(m.planes[0]) : to_pose(m.primitive_poses[0], "primitive_poses");
+  const Pose pose = !m.primitive_poses.empty() ? to_pose(m.primitive_poses[0], "primitive_poses")
+                    : !m.mesh_poses.empty()    ? to_pose(m.mesh_poses[0], "mesh_poses")
+                                               : to_pose(m.planes[0]);
   return {m.name, frames->resolve(m.header.frame_id) * pose, 0.0};
 }
 

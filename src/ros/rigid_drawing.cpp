@@ -1,5 +1,8 @@
 #include "deformable_sim/ros/rigid_drawing.h"
 
+#include <cmath>
+
+#include "deformable_sim/core/contact/collider_mesh.h"
 #include "deformable_sim/ros/convert.h"
 
 namespace deformable_sim {
@@ -10,8 +13,9 @@ using visualization_msgs::Marker;
 
 constexpr double kPlaneSize = 10.0;        // m
 constexpr double kPlaneThickness = 0.002;  // m
-constexpr double kBall = 0.02;             // m
-constexpr double kLetter = 0.03;           // m
+constexpr int kConeSides = 32;
+constexpr double kBall = 0.02;    // m
+constexpr double kLetter = 0.03;  // m
 constexpr std::array<float, 3> kSolid{{0.70f, 0.73f, 0.77f}};
 
 Marker solid(int type, const Pose& pose, const Vec3& size, const std::array<float, 3>& color) {
@@ -23,6 +27,38 @@ Marker solid(int type, const Pose& pose, const Vec3& size, const std::array<floa
   marker.color.g = color[1];
   marker.color.b = color[2];
   marker.color.a = 1.0f;
+  return marker;
+}
+
+void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, Marker* marker) {
+  for (const Vec3* p : {&a, &b, &c}) {
+    geometry_msgs::Point point;
+    point.x = p->x();
+    point.y = p->y();
+    point.z = p->z();
+    marker->points.push_back(point);
+  }
+}
+
+Marker cone(double radius, double length, const Pose& pose) {
+  Marker marker = solid(Marker::TRIANGLE_LIST, pose, Vec3::Ones(), kSolid);
+  const Vec3 tip(0, 0, 0.5 * length), base(0, 0, -0.5 * length);
+  const auto rim = [&](int k) -> Vec3 {
+    const double angle = 2.0 * M_PI * k / kConeSides;
+    return base + radius * Vec3(std::cos(angle), std::sin(angle), 0.0);
+  };
+  for (int k = 0; k < kConeSides; ++k) {
+    add_triangle(rim(k), rim(k + 1), tip, &marker);
+    add_triangle(rim(k + 1), rim(k), base, &marker);
+  }
+  return marker;
+}
+
+Marker mesh_marker(const ColliderMesh& mesh, const Pose& pose) {
+  Marker marker = solid(Marker::TRIANGLE_LIST, pose, Vec3::Ones(), kSolid);
+  marker.points.reserve(3 * mesh.triangles().size());
+  const auto vertex = [&mesh](int k) -> const Vec3& { return mesh.vertices()[static_cast<std::size_t>(k)]; };
+  for (const std::array<int, 3>& t : mesh.triangles()) add_triangle(vertex(t[0]), vertex(t[1]), vertex(t[2]), &marker);
   return marker;
 }
 
@@ -43,6 +79,12 @@ void add_shape(const Shape& shape, const Pose& pose, std::vector<Marker>* marker
       [[fallthrough]];
     case Shape::Type::kCylinder:
       markers->push_back(solid(Marker::CYLINDER, pose, Vec3(diameter, diameter, shape.size.y()), kSolid));
+      break;
+    case Shape::Type::kCone:
+      markers->push_back(cone(shape.size.x(), shape.size.y(), pose));
+      break;
+    case Shape::Type::kMesh:
+      markers->push_back(mesh_marker(*shape.mesh, pose));
       break;
     case Shape::Type::kPlane:
       markers->push_back(solid(Marker::CUBE, shifted(-0.5 * kPlaneThickness),

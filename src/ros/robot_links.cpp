@@ -2,38 +2,75 @@
 
 #include <algorithm>
 
+#include <resource_retriever/retriever.h>
 #include <ros/console.h>
 #include <urdf/model.h>
 
 #include "deformable_sim/core/error.h"
+#include "deformable_sim/ros/build_progress.h"
+#include "deformable_sim/scene/collider_file.h"
+#include "deformable_sim/scene/mesh_file.h"
 
 namespace deformable_sim {
 
 namespace {
 
-/// False for a mesh.
-bool to_shape(const urdf::Collision& collision, Shape* shape) {
-  if (!collision.geometry) return false;
-  const urdf::Geometry& geometry = *collision.geometry;
+Pose to_pose(const urdf::Pose& origin) {
+  const Eigen::Quaterniond q(origin.rotation.w, origin.rotation.x, origin.rotation.y, origin.rotation.z);
+  return Eigen::Translation3d(origin.position.x, origin.position.y, origin.position.z) * q.normalized();
+}
+
+std::vector<Shape> to_shapes(const urdf::Mesh& mesh, double padding) {
+  resource_retriever::MemoryResource file;
+  try {
+    resource_retriever::Retriever retriever;
+    file = retriever.get(mesh.filename);
+  } catch (const resource_retriever::Exception& error) {
+    throw InputError(error.what(), Code::kNotFound);
+  }
+  const std::string bytes(reinterpret_cast<const char*>(file.data.get()), file.size);
+  const Vec3 scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
+  const TriangleMesh faces = faces_from_bytes(bytes, mesh.filename, scale);
+  try {
+    return mesh_shapes(faces, padding, build_progress(mesh.filename));
+  } catch (const InputError& error) {
+    throw InputError(mesh.filename + ": " + error.what(), error.code());
+  }
+}
+
+/// One for a primitive, one for each closed part of a mesh.
+std::vector<Shape> to_shapes(const urdf::Geometry& geometry, double padding) {
+  Shape shape;
   if (geometry.type == urdf::Geometry::BOX) {
     const auto& box = static_cast<const urdf::Box&>(geometry);
-    shape->type = Shape::Type::kBox;
-    shape->size = Vec3(box.dim.x, box.dim.y, box.dim.z);
+    shape.type = Shape::Type::kBox;
+    shape.size = Vec3(box.dim.x, box.dim.y, box.dim.z) + Vec3::Constant(2.0 * padding);
   } else if (geometry.type == urdf::Geometry::SPHERE) {
-    shape->type = Shape::Type::kSphere;
-    shape->size = Vec3(static_cast<const urdf::Sphere&>(geometry).radius, 0, 0);
+    shape.type = Shape::Type::kSphere;
+    shape.size = Vec3(static_cast<const urdf::Sphere&>(geometry).radius + padding, 0, 0);
   } else if (geometry.type == urdf::Geometry::CYLINDER) {
     const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
-    shape->type = Shape::Type::kCylinder;
-    shape->size = Vec3(cylinder.radius, cylinder.length, 0);
+    shape.type = Shape::Type::kCylinder;
+    shape.size = Vec3(cylinder.radius + padding, cylinder.length + 2.0 * padding, 0);
+  } else if (geometry.type == urdf::Geometry::MESH) {
+    return to_shapes(static_cast<const urdf::Mesh&>(geometry), padding);
   } else {
-    return false;
+    throw InputError("a collision element is neither box, sphere, cylinder nor mesh");
   }
-  const urdf::Pose& origin = collision.origin;
-  const Eigen::Quaterniond q(origin.rotation.w, origin.rotation.x, origin.rotation.y, origin.rotation.z);
-  shape->collider_from_shape =
-      Eigen::Translation3d(origin.position.x, origin.position.y, origin.position.z) * q.normalized();
-  return true;
+  return {shape};
+}
+
+void check_links(const urdf::Model& model, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (model.getLink(name)) continue;
+    std::string known;
+    for (const auto& [link, pointer] : model.links_) known += (known.empty() ? "" : ", ") + link;
+    throw InputError("robot: link '" + name + "' is not in robot_description; its links are " + known, Code::kNotFound);
+  }
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 }  // namespace
@@ -41,29 +78,27 @@ bool to_shape(const urdf::Collision& collision, Shape* shape) {
 std::vector<Collider> robot_links(const std::string& urdf_xml, const RobotSpec& spec) {
   urdf::Model model;
   if (!model.initString(urdf_xml)) throw InputError("robot_description: not a URDF that can be read");
-  for (const std::string& name : spec.links) {
-    if (model.getLink(name)) continue;
-    std::string known;
-    for (const auto& [link, pointer] : model.links_) known += (known.empty() ? "" : ", ") + link;
-    throw InputError("robot: link '" + name + "' is not in robot_description; its links are " + known, Code::kNotFound);
-  }
+  check_links(model, spec.links);
+  check_links(model, spec.exclude);
   std::vector<Collider> colliders;
   for (const auto& [name, link] : model.links_) {
-    if (!spec.links.empty() && std::find(spec.links.begin(), spec.links.end(), name) == spec.links.end()) continue;
+    if ((!spec.links.empty() && !contains(spec.links, name)) || contains(spec.exclude, name)) continue;
     Collider collider;
     collider.name = kRobotPrefix + name;
     collider.frame = name;
     collider.friction = spec.friction;
     for (const auto& collision : link->collision_array) {
-      Shape shape;
-      if (collision && to_shape(*collision, &shape)) {
-        collider.shapes.push_back(shape);
-      } else {
-        ROS_WARN_STREAM_NAMED(
-            "robot", "link " << name << ": a collision mesh is left out; boxes, spheres and cylinders are used");
+      if (!collision || !collision->geometry) continue;
+      try {
+        for (Shape& shape : to_shapes(*collision->geometry, spec.padding)) {
+          shape.collider_from_shape = to_pose(collision->origin);
+          collider.shapes.push_back(std::move(shape));
+        }
+      } catch (const InputError& error) {
+        ROS_WARN_STREAM_NAMED("robot", "link " << name << ": a collision element is left out: " << error.what());
       }
     }
-    if (!collider.shapes.empty()) colliders.push_back(collider);
+    if (!collider.shapes.empty()) colliders.push_back(std::move(collider));
   }
   return colliders;
 }

@@ -168,11 +168,20 @@ std::vector<TaggedTable> collider_tables() {
       {"sphere", start("sphere", "A ball centred on its pose.")},
       {"cylinder", start("cylinder", "A cylinder along z of its pose, centred on it.")},
       {"capsule", start("capsule", "A cylinder with round ends along z of its pose, centred on it.")},
-      {"plane", start("plane", "A half-space: everything below z = 0 of its pose.")}};
+      {"plane", start("plane", "A half-space: everything below z = 0 of its pose.")},
+      {"cone", start("cone", "A cone along z of its pose, tip up, its middle height on it.")},
+      {"mesh", start("mesh",
+                     "A solid bounded by triangles, convex or not. The mesh has to be closed; parts that are "
+                     "not joined are solids of their own. See doc/theory/contact.md.")}};
   tables[0].table.vector("size", "[x, y, z]", "m", &P::size, size, "Full edge lengths.").required();
-  for (size_t k : {1, 2, 3}) tables[k].table.number("radius", "m", &P::radius, size, "Radius.").required();
+  for (size_t k : {1, 2, 3, 5}) tables[k].table.number("radius", "m", &P::radius, size, "Radius.").required();
   tables[2].table.number("length", "m", &P::length, size, "Length.").required();
   tables[3].table.number("length", "m", &P::length, size, "Of the straight part.").required();
+  tables[5].table.number("length", "m", &P::length, size, "From the base to the tip.").required();
+  tables[6]
+      .table.text("file", &P::file, "OBJ, STL, PLY or DAE; relative to the scene, or package://deformable_sim/...")
+      .required();
+  tables[6].table.number("scale", "m", &P::scale, between(1e-6, 1000), "Metres per unit of the file.");
   return tables;
 }
 
@@ -241,12 +250,17 @@ Table<GraspText> grasp_table() {
 
 Table<RobotSpec> robot_table() {
   Table<RobotSpec> t("robot", "Collide with the links of the ROS parameter robot_description, posed by tf (ROS only).");
-  t.add({"links", "list of names", "", "all", "", "Links with primitive collision shapes."},
-        [](const YamlValue& v, const std::string& path, RobotSpec* robot) {
-          for (const YamlValue& item : read_list(v, path, "link names")) {
-            robot->links.push_back(read_text(item, path + "[" + std::to_string(robot->links.size()) + "]"));
-          }
-        });
+  const auto names = [](std::vector<std::string> RobotSpec::*member) {
+    return [member](const YamlValue& v, const std::string& path, RobotSpec* robot) {
+      for (const YamlValue& item : read_list(v, path, "link names")) {
+        const std::string at = path + "[" + std::to_string((robot->*member).size()) + "]";
+        (robot->*member).push_back(read_text(item, at));
+      }
+    };
+  };
+  t.add({"links", "list of names", "", "all", "", "Links with collision elements."}, names(&RobotSpec::links));
+  t.add({"exclude", "list of names", "", "[]", "", "Links that are no obstacles."}, names(&RobotSpec::exclude));
+  t.number("padding", "m", &RobotSpec::padding, between(0, 1), "How much larger than in the URDF every shape is.");
   t.number("friction", "", &RobotSpec::friction, kFriction, "Coulomb coefficient of the links.");
   return t;
 }
@@ -276,7 +290,8 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
          "Each a map with one key: `- cloth: {...}`, `- rope: {...}` or `- soft: {...}`."},
         lists.bodies)
       .required();
-  t.add({"colliders", "list", "", "[]", "", "Each a map with one key: box, sphere, cylinder, capsule or plane."},
+  t.add({"colliders", "list", "", "[]", "",
+         "Each a map with one key: box, sphere, cylinder, capsule, plane, cone or mesh."},
         lists.colliders);
   t.add({"grasps", "list", "", "[]", "", "Each a map. See grasps[]."}, lists.grasps);
   t.add({"robot", "map", "", "no robot", "", "See robot. `robot: {}` takes all links."},

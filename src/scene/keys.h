@@ -10,12 +10,14 @@
 
 namespace deformable_sim {
 
-/// Flat text of a collider before it becomes a Collider with one Shape.
+/// Flat text of a collider before it becomes a Collider.
 struct PrimitiveText {
   std::string name;
   Vec3 size{0.1, 0.1, 0.1};
   double radius = 0.1;
   double length = 0.2;
+  std::string file;
+  double scale = 1.0;
   PoseSpec pose;
   double friction = 0.5;
   std::string frame;

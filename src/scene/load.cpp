@@ -8,6 +8,7 @@
 
 #include "body_rules.h"
 #include "build_parts.h"
+#include "deformable_sim/scene/collider_file.h"
 #include "features.h"
 #include "keys.h"
 
@@ -156,40 +157,51 @@ class SceneReader {
       PrimitiveText text;
       tables[type].table.read(entry, entry_path, &text);
       check_unique(entry, entry_path, text.name, &collider_names_);
-      scene->colliders.push_back({location_of(items[k]), collider_of(entry.key, text)});
+      scene->colliders.push_back({location_of(items[k]), collider_of(entry, entry_path, text)});
     }
   }
 
-  static Collider collider_of(const std::string& tag, const PrimitiveText& text) {
-    static const std::map<std::string, Shape::Type> kTypes{{"box", Shape::Type::kBox},
-                                                           {"sphere", Shape::Type::kSphere},
-                                                           {"cylinder", Shape::Type::kCylinder},
-                                                           {"capsule", Shape::Type::kCapsule},
-                                                           {"plane", Shape::Type::kPlane}};
+  Collider collider_of(const YamlValue& entry, const std::string& path, const PrimitiveText& text) const {
+    static const std::map<std::string, Shape::Type> kTypes{
+        {"box", Shape::Type::kBox},         {"sphere", Shape::Type::kSphere}, {"cylinder", Shape::Type::kCylinder},
+        {"capsule", Shape::Type::kCapsule}, {"plane", Shape::Type::kPlane},   {"cone", Shape::Type::kCone},
+        {"mesh", Shape::Type::kMesh}};
     Shape shape;
-    shape.type = kTypes.at(tag);
+    shape.type = kTypes.at(entry.key);
+    Collider collider;
+    collider.shapes = {shape};
+    Vec3& size = collider.shapes.front().size;
     switch (shape.type) {
       case Shape::Type::kBox:
-        shape.size = text.size;
+        size = text.size;
         break;
       case Shape::Type::kSphere:
-        shape.size = {text.radius, 0, 0};
+        size = {text.radius, 0, 0};
         break;
       case Shape::Type::kCylinder:
       case Shape::Type::kCapsule:
-        shape.size = {text.radius, text.length, 0};
+      case Shape::Type::kCone:
+        size = {text.radius, text.length, 0};
         break;
       case Shape::Type::kPlane:
-        shape.size.setZero();
+        break;
+      case Shape::Type::kMesh:
+        collider.shapes = read_mesh(entry, path, text);
         break;
     }
-    Collider collider;
     collider.name = text.name;
-    collider.shapes = {shape};
     collider.world_from_collider = text.pose.pose();
     collider.friction = text.friction;
     collider.frame = text.frame;
     return collider;
+  }
+
+  std::vector<Shape> read_mesh(const YamlValue& entry, const std::string& path, const PrimitiveText& text) const {
+    try {
+      return load_collider_mesh(resolve_mesh(text.file, scene_file_), Vec3::Constant(text.scale), 0.0, {});
+    } catch (const InputError& error) {
+      refuse(*entry.find("file"), path + ".file", error.what(), error.code());
+    }
   }
 
   void read_grasps(const YamlValue& list, const std::string& path, SceneSpec* scene) {

@@ -22,7 +22,7 @@ constexpr std::uintmax_t kMaxMeshBytes = 256u << 20;
 /// Collects faces of all parts of a file, welding vertices by position.
 class Welder {
  public:
-  void add_part(const aiMesh& part, const aiMatrix4x4& root_from_part, double scale) {
+  void add_part(const aiMesh& part, const aiMatrix4x4& root_from_part, const Vec3& scale) {
     std::vector<int> node_of(part.mNumVertices, -1);
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
@@ -44,7 +44,7 @@ class Welder {
     }
   }
 
-  void add_tree(const aiScene& scene, const aiNode& node, const aiMatrix4x4& root_from_parent, double scale) {
+  void add_tree(const aiScene& scene, const aiNode& node, const aiMatrix4x4& root_from_parent, const Vec3& scale) {
     const aiMatrix4x4 root_from_node = root_from_parent * node.mTransformation;
     for (unsigned k = 0; k < node.mNumMeshes; ++k) add_part(*scene.mMeshes[node.mMeshes[k]], root_from_node, scale);
     for (unsigned k = 0; k < node.mNumChildren; ++k) add_tree(scene, *node.mChildren[k], root_from_node, scale);
@@ -62,7 +62,7 @@ class Welder {
   /// Ordered by bits, so that even a vertex that is not a number has its place (check_mesh refuses it by its index).
   using Bits = std::array<std::uint32_t, 3>;
 
-  int node_at(const aiVector3D& p, double scale) {
+  int node_at(const aiVector3D& p, const Vec3& scale) {
     const float coordinates[3] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // -0 becomes +0
     Bits bits;
     std::memcpy(bits.data(), coordinates, sizeof bits);
@@ -71,7 +71,7 @@ class Welder {
       if (positions_.size() >= static_cast<size_t>(kMaxNodes)) {
         throw InputError("has more than " + std::to_string(kMaxNodes) + " vertices", Code::kOutOfRange);
       }
-      positions_.push_back(scale * Vec3(p.x, p.y, p.z));
+      positions_.push_back(scale.cwiseProduct(Vec3(p.x, p.y, p.z)));
     }
     return added.first->second;
   }
@@ -81,9 +81,8 @@ class Welder {
   std::vector<std::array<int, 3>> triangles_;
 };
 
-void check_file(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": no such mesh file", Code::kNotFound);
+/// In lower case, with its dot; refuses what is no mesh.
+std::string extension_of(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
@@ -91,29 +90,63 @@ void check_file(const std::string& path) {
   if (std::find(known.begin(), known.end(), extension) == known.end()) {
     throw InputError(path + ": meshes are OBJ, STL, PLY or DAE files");
   }
-  if (std::filesystem::file_size(path, error) > kMaxMeshBytes) {
+  return extension;
+}
+
+void check_size(const std::string& path, std::uintmax_t bytes) {
+  if (bytes > kMaxMeshBytes) {
     throw InputError(path + ": larger than " + std::to_string(kMaxMeshBytes >> 20) + " MiB", Code::kOutOfRange);
   }
 }
 
-}  // namespace
+void check_file(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": no such mesh file", Code::kNotFound);
+  extension_of(path);
+  check_size(path, std::filesystem::file_size(path, error));
+}
 
-TriangleMesh load_mesh(const std::string& path, double scale) {
-  check_file(path);
-  Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+TriangleMesh faces_of(const aiScene* scene, const Assimp::Importer& importer, const std::string& path,
+                      const Vec3& scale) {
   if (!scene || !scene->mRootNode) throw InputError(path + ": not a readable mesh: " + importer.GetErrorString());
   try {
     Welder welder;
     welder.add_tree(*scene, *scene->mRootNode, aiMatrix4x4(), scale);
     TriangleMesh mesh = welder.mesh();
     if (mesh.triangles.empty()) throw InputError("has no faces");
-    check_mesh(mesh);
     return mesh;
   } catch (const InputError& error) {
     throw InputError(path + ": " + error.what(), error.code());
   }
+}
+
+}  // namespace
+
+TriangleMesh load_faces(const std::string& path, const Vec3& scale) {
+  check_file(path);
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  return faces_of(importer.ReadFile(path, aiProcess_Triangulate), importer, path, scale);
+}
+
+TriangleMesh faces_from_bytes(const std::string& bytes, const std::string& name, const Vec3& scale) {
+  const std::string extension = extension_of(name);
+  check_size(name, bytes.size());
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene =
+      importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, extension.c_str() + 1);
+  return faces_of(scene, importer, name, scale);
+}
+
+TriangleMesh load_mesh(const std::string& path, double scale) {
+  TriangleMesh mesh = load_faces(path, Vec3::Constant(scale));
+  try {
+    check_mesh(mesh);
+  } catch (const InputError& error) {
+    throw InputError(path + ": " + error.what(), error.code());
+  }
+  return mesh;
 }
 
 }  // namespace deformable_sim

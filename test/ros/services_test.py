@@ -7,8 +7,8 @@ import unittest
 
 import rospy
 import rostest
-from geometry_msgs.msg import PoseStamped, Pose
-from shape_msgs.msg import Mesh, Plane, SolidPrimitive
+from geometry_msgs.msg import Point, PoseStamped, Pose
+from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 
 from deformable_sim.msg import GraspCommand, Obstacle
 from support import (GraspSelection, SimStatus, Simulation, Status, feature, nearest, node_position, wait_until)
@@ -30,6 +30,19 @@ def target(x, y, z, frame=''):
     stamped.pose.position.x, stamped.pose.position.y, stamped.pose.position.z = x, y, z
     stamped.pose.orientation.w = 1.0
     return stamped
+
+
+def pyramid():
+    corners = ((0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1))
+    faces = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+    return Mesh(vertices=[Point(*map(float, corner)) for corner in corners],
+                triangles=[MeshTriangle(vertex_indices=face) for face in faces])
+
+
+def with_mesh(mesh):
+    pose = Pose()
+    pose.orientation.w = 1.0
+    return Obstacle(name='bad', meshes=[mesh], mesh_poses=[pose])
 
 
 class Services(unittest.TestCase):
@@ -219,29 +232,44 @@ class Services(unittest.TestCase):
         shapes = [SolidPrimitive(type=SolidPrimitive.BOX, dimensions=[1, 1, 1]),
                   SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[0.1]),
                   SolidPrimitive(type=SolidPrimitive.CYLINDER, dimensions=[0.4, 0.1]),
-                  SolidPrimitive(type=Obstacle.CAPSULE, dimensions=[0.4, 0.1])]
-        many = Obstacle(name='many', primitives=shapes, primitive_poses=[pose] * 4, planes=[Plane(coef=[0, 0, 2, 2])])
+                  SolidPrimitive(type=Obstacle.CAPSULE, dimensions=[0.4, 0.1]),
+                  SolidPrimitive(type=SolidPrimitive.CONE, dimensions=[0.4, 0.1])]
+        many = Obstacle(name='many', primitives=shapes, primitive_poses=[pose] * 5, planes=[Plane(coef=[0, 0, 2, 2])],
+                        meshes=[pyramid()], mesh_poses=[pose])
         self.assertEqual(self.sim.add_obstacle(many).status.code, Status.OK)
 
     def test_bad_obstacles_are_refused(self):
-        cone = box('bad')
-        cone.primitives[0].type = SolidPrimitive.CONE
+        unknown = box('bad')
+        unknown.primitives[0].type = 77
         short = box('bad', size=(0.1, 0.1))
         nan_pose = box('bad')
         nan_pose.primitive_poses[0].position.x = math.nan
         no_pose = box('bad')
         no_pose.primitive_poses = []
-        mesh = box('bad')
-        mesh.meshes = [Mesh()]
+        unplaced = box('bad')
+        unplaced.meshes = [pyramid()]
+        open_mesh = with_mesh(pyramid())
+        open_mesh.meshes[0].triangles.pop()
+        far_index = with_mesh(pyramid())
+        far_index.meshes[0].triangles[0].vertex_indices = [0, 1, 4000000000]
+        nan_vertex = with_mesh(pyramid())
+        nan_vertex.meshes[0].vertices[0].x = math.nan
+        large = with_mesh(pyramid())
+        large.meshes[0].triangles *= 60000
         framed = box('bad')
         framed.frame = 'no_such_frame'
         rough = box('bad')
         rough.friction = math.nan
-        for code, word, obstacle in ((Status.INVALID_ARGUMENT, 'type', cone),
+        for code, word, obstacle in ((Status.INVALID_ARGUMENT, 'type', unknown),
                                      (Status.INVALID_ARGUMENT, 'dimensions', short),
                                      (Status.INVALID_ARGUMENT, 'finite', nan_pose),
                                      (Status.INVALID_ARGUMENT, 'primitive_poses', no_pose),
-                                     (Status.UNAVAILABLE, 'mesh', mesh), (Status.UNAVAILABLE, 'no_such_frame', framed),
+                                     (Status.INVALID_ARGUMENT, 'mesh_poses', unplaced),
+                                     (Status.INVALID_ARGUMENT, 'meshes[0]: is not closed', open_mesh),
+                                     (Status.INVALID_ARGUMENT, 'names vertex 4 of 4', far_index),
+                                     (Status.INVALID_ARGUMENT, 'vertex 0', nan_vertex),
+                                     (Status.OUT_OF_RANGE, 'at most 200000', large),
+                                     (Status.UNAVAILABLE, 'no_such_frame', framed),
                                      (Status.INVALID_ARGUMENT, 'friction', rough),
                                      (Status.OUT_OF_RANGE, 'dimensions', box('bad', size=(0.1, -0.1, 0.1))),
                                      (Status.INVALID_ARGUMENT, '', box('bad', size=(0.1, 0.0, 0.1))),

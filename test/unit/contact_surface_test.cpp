@@ -1,4 +1,4 @@
-// FCL's sphere kernels against signed distance functions written by hand.
+// FCL's sphere kernels, and the cone, against signed distance functions written by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,6 +25,18 @@ double cylinder_distance(const Vec3& p, const Vec3& size) {
 double capsule_distance(const Vec3& p, const Vec3& size) {
   const double z = std::clamp(p.z(), -0.5 * size[1], 0.5 * size[1]);
   return (p - Vec3(0, 0, z)).norm() - size[0];
+}
+/// In the half-plane of p: to the base and to the side, negative where p is on the inner side of both.
+double cone_distance(const Vec3& p, const Vec3& size) {
+  using Vec2 = Eigen::Vector2d;
+  const Vec2 at(std::hypot(p.x(), p.y()), p.z());
+  const auto to_segment = [&at](const Vec2& a, const Vec2& b) {
+    return (a + std::clamp((b - a).dot(at - a) / (b - a).squaredNorm(), 0.0, 1.0) * (b - a) - at).norm();
+  };
+  const Vec2 rim(size[0], -0.5 * size[1]);
+  const double nearest = std::min(to_segment(Vec2(0, rim.y()), rim), to_segment(rim, Vec2(0, -rim.y())));
+  const bool inside = at.y() > rim.y() && at.x() < size[0] * (0.5 - at.y() / size[1]);
+  return inside ? -nearest : nearest;
 }
 double plane_distance(const Vec3& p, const Vec3&) {
   return p.z();
@@ -132,6 +144,8 @@ INSTANTIATE_TEST_SUITE_P(Every, SurfaceQueryOf,
                                          Case{"sphere", Shape::Type::kSphere, Vec3(0.15, 0, 0), sphere_distance},
                                          Case{"cylinder", Shape::Type::kCylinder, Vec3(0.1, 0.2, 0), cylinder_distance},
                                          Case{"capsule", Shape::Type::kCapsule, Vec3(0.08, 0.15, 0), capsule_distance},
+                                         Case{"cone", Shape::Type::kCone, Vec3(0.12, 0.2, 0), cone_distance},
+                                         Case{"needle", Shape::Type::kCone, Vec3(0.06, 0.5, 0), cone_distance},
                                          Case{"plane", Shape::Type::kPlane, Vec3::Zero(), plane_distance}),
                          [](const auto& info) { return std::string(info.param.name); });
 

@@ -14,4 +14,9 @@ namespace deformable_sim {
 /// unreadable, without faces, or refused by check_mesh().
 TriangleMesh load_mesh(const std::string& path, double scale);
 
+/// The same faces as they stand in the file, unchecked, and each axis with a scale of its own.
+TriangleMesh load_faces(const std::string& path, const Vec3& scale);
+/// The same of a file that is in memory; `name` tells the format by its ending, and errors name it.
+TriangleMesh faces_from_bytes(const std::string& bytes, const std::string& name, const Vec3& scale);
+
 }  // namespace deformable_sim

@@ -191,7 +191,9 @@ struct GraspSpec {
 /// Collide with links of the robot described by the ROS parameter robot_description, posed by tf. ROS only.
 struct RobotSpec {
   bool present = false;
-  std::vector<std::string> links;  // empty = all links with primitive collision shapes
+  std::vector<std::string> links;    // empty = all links with collision elements
+  std::vector<std::string> exclude;  // of those
+  double padding = 0.0;              // m, by which every shape is larger than it is in the URDF
   double friction = 0.5;
 };
 

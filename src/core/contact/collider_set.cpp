@@ -20,6 +20,10 @@ std::string shape_name(Shape::Type type) {
       return "cylinder";
     case Shape::Type::kCapsule:
       return "capsule";
+    case Shape::Type::kCone:
+      return "cone";
+    case Shape::Type::kMesh:
+      return "mesh";
     case Shape::Type::kPlane:
       break;
   }
@@ -36,6 +40,10 @@ int size_count(Shape::Type type) {
       return 2;
     case Shape::Type::kCapsule:
       return 2;
+    case Shape::Type::kCone:
+      return 2;
+    case Shape::Type::kMesh:
+      return 1;
     case Shape::Type::kPlane:
       break;
   }
@@ -58,7 +66,7 @@ void check_collider(const Collider& collider) {
   const std::string who = "collider '" + collider.name + "': ";
   if (collider.name.empty()) throw InputError("a collider needs a name");
   if (collider.shapes.empty())
-    throw InputError(who + "has no shape; give at least one box, sphere, cylinder, capsule or plane");
+    throw InputError(who + "has no shape; give at least one box, sphere, cylinder, capsule, cone, mesh or plane");
   if (!std::isfinite(collider.friction) || collider.friction < 0.0)
     throw InputError(who + "friction must be a finite number >= 0");
   if (!is_valid_pose(collider.world_from_collider))
@@ -68,12 +76,13 @@ void check_collider(const Collider& collider) {
       throw InputError(who + "the pose of its " + shape_name(s.type) +
                        " must be finite, within 1e6 m, with a unit quaternion");
     for (int i = 0; i < size_count(s.type); ++i) {
-      // A capsule without a straight part is a sphere and is allowed.
-      const bool may_be_zero = s.type == Shape::Type::kCapsule && i == 1;
+      // A capsule without a straight part is a sphere and is allowed; a mesh has a padding only.
+      const bool may_be_zero = (s.type == Shape::Type::kCapsule && i == 1) || s.type == Shape::Type::kMesh;
       const double size = s.size[i];
       if (!std::isfinite(size) || size > 1e6 || size < 0.0 || (size == 0.0 && !may_be_zero))
         throw InputError(who + "sizes of its " + shape_name(s.type) + " must be > 0 and at most 1e6 m");
     }
+    if (s.type == Shape::Type::kMesh && !s.mesh) throw InputError(who + "its mesh has no triangles");
   }
 }
 

@@ -52,6 +52,12 @@ void ContactFinder::set_colliders(const std::vector<Collider>& colliders) {
     const Collider& collider = colliders[static_cast<size_t>(c)];
     for (const Shape& s : collider.shapes) shapes_.emplace_back(s, c, collider);
   }
+  std::int64_t key = 0;
+  for (PlacedShape& shape : shapes_) {
+    shape.first_key = key;
+    shape.keys_per_point = std::max(1, shape.query.concave_triangles());
+    key += shape.keys_per_point * point_count();
+  }
 }
 
 void ContactFinder::place_shape(PlacedShape* shape, const PoseStep& pose) const {
@@ -97,24 +103,29 @@ void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>&
   place_points(points_, s, roles, &placed_);
   place_points(between_, s, roles, &placed_between_);
 
-  const auto stride = static_cast<std::int64_t>(points_.size() + between_.size());
   for (int k = 0; k < shape_count(); ++k) {
     PlacedShape& shape = shapes_[static_cast<size_t>(k)];
     const PoseStep& pose = poses[static_cast<size_t>(shape.collider)];
     place_shape(&shape, pose);
     const size_t first_contact = contacts->size();
-    find_on_shape(k, points_, blocks_, placed_, k * stride, pose, dt, contacts);
+    const std::int64_t between_key = shape.first_key + shape.keys_per_point * static_cast<std::int64_t>(points_.size());
+    if (shape.keys_per_point > 1) {
+      find_on_shape<true>(k, points_, blocks_, placed_, shape.first_key, pose, dt, contacts);
+      find_on_shape<true>(k, between_, between_blocks_, placed_between_, between_key, pose, dt, contacts);
+      continue;
+    }
+    find_on_shape<false>(k, points_, blocks_, placed_, shape.first_key, pose, dt, contacts);
     if (between_.empty()) continue;
     for (size_t c = first_contact; c < contacts->size(); ++c)
       contact_of_node_[static_cast<size_t>((*contacts)[c].node[0])] = static_cast<int>(c);
     const size_t node_contacts = contacts->size();
-    find_on_shape(k, between_, between_blocks_, placed_between_, k * stride + static_cast<std::int64_t>(points_.size()),
-                  pose, dt, contacts);
+    find_on_shape<false>(k, between_, between_blocks_, placed_between_, between_key, pose, dt, contacts);
     for (size_t c = first_contact; c < node_contacts; ++c)
       contact_of_node_[static_cast<size_t>((*contacts)[c].node[0])] = -1;
   }
 }
 
+template <bool kConcave>
 void ContactFinder::find_on_shape(int k, const std::vector<ContactPoint>& points, const std::vector<PointBlock>& blocks,
                                   const std::vector<Point>& placed, std::int64_t first_key, const PoseStep& pose,
                                   double dt, ContactConstraints* contacts) {
@@ -142,10 +153,15 @@ void ContactFinder::find_on_shape(int k, const std::vector<ContactPoint>& points
       double reach = at.reach + model_->bodies[static_cast<size_t>(point.body)].contact_radius;
       if (shape.moves) reach += motion_at(shape.end_from_begin, at.p).norm();
       if (bounded && box.squaredExteriorDistance(at.p) > reach * reach) continue;
-      if (point.count > 1 && implied_by_nodes(point, *contacts)) continue;
+      if (!kConcave && point.count > 1 && implied_by_nodes(point, *contacts)) continue;
       SurfacePoint surface;
-      if (shape.query.find(at.p, reach, &surface))
+      if (!shape.query.find(at.p, reach, &surface)) continue;
+      if constexpr (kConcave) {
+        add_planes_of_mesh(k, point, at.p, reach, surface, first_key + i * shape.keys_per_point, pose, dt, contacts);
+      } else {
+        keep_side(first_key + i, at.p, pose.begin, &surface);
         add_plane(k, point, at.p, surface, first_key + i, pose, dt, contacts);
+      }
     }
   }
 }
@@ -154,8 +170,6 @@ void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, S
                               const PoseStep& pose, double dt, ContactConstraints* contacts) {
   const PlacedShape& shape = shapes_[static_cast<size_t>(k)];
   const Body& body = model_->bodies[static_cast<size_t>(point.body)];
-  keep_side(key, p, pose.begin, &surface);
-
   const Vec3 begin = p - surface.distance * surface.normal;
   Vec3 end = begin;
   ContactConstraint c;
@@ -183,19 +197,36 @@ void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, S
                      c.offset - body.contact_radius});
 }
 
+void ContactFinder::add_planes_of_mesh(int k, const ContactPoint& point, const Vec3& p, double reach,
+                                       SurfacePoint surface, std::int64_t first_key, const PoseStep& pose, double dt,
+                                       ContactConstraints* contacts) {
+  PlacedShape& shape = shapes_[static_cast<size_t>(k)];
+  while (last_plane_ < last_planes_.size() && last_planes_[last_plane_].key < first_key) ++last_plane_;
+  for (size_t i = last_plane_; i < last_planes_.size() && last_planes_[i].key < first_key + shape.keys_per_point; ++i)
+    if (take_back_to(last_planes_[i], p, pose.begin, &surface)) break;
+  const double clearance = model_->bodies[static_cast<size_t>(point.body)].contact_radius;
+  for (const SurfacePlane& plane : shape.query.planes(p, surface, reach, clearance))
+    add_plane(k, point, p, plane.surface, first_key + plane.triangle, pose, dt, contacts);
+}
+
 void ContactFinder::keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface) {
   // Both lists ascend, so the place in the last one only moves on.
   while (last_plane_ < last_planes_.size() && last_planes_[last_plane_].key < key) ++last_plane_;
   if (last_plane_ == last_planes_.size() || last_planes_[last_plane_].key != key) return;
-  const Plane* last = &last_planes_[last_plane_];
-  const Vec3 normal = world_from_collider.linear() * last->normal;
+  take_back_to(last_planes_[last_plane_], p, world_from_collider, surface);
+}
+
+bool ContactFinder::take_back_to(const Plane& last, const Vec3& p, const Pose& world_from_collider,
+                                 SurfacePoint* surface) {
+  const Vec3 normal = world_from_collider.linear() * last.normal;
   // Normals more than a right angle apart: a straight way between the two sides leads through the shape, so a point
   // behind its last plane was pushed in, or even all the way through a thin one.
-  if (normal.dot(surface->normal) >= 0.0) return;
-  const double distance = normal.dot(p - world_from_collider * last->point);
-  if (distance > 0.0 || distance < -kKeepSideDepth) return;
+  if (normal.dot(surface->normal) >= 0.0) return false;
+  const double distance = normal.dot(p - world_from_collider * last.point);
+  if (distance > 0.0 || distance < -kKeepSideDepth) return false;
   surface->distance = distance;
   surface->normal = normal;
+  return true;
 }
 
 bool ContactFinder::implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const {

@@ -1,6 +1,7 @@
-// A rigid obstacle as the user gives it: primitives, a pose, friction. No FCL here.
+// A rigid obstacle as the user gives it: shapes, a pose, friction. No FCL here.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,16 +9,20 @@
 
 namespace deformable_sim {
 
-/// One primitive in its own frame: box centred, cylinder and capsule along z and centred, plane = half-space z <= 0.
+class ColliderMesh;
+
+/// One shape in its own frame: box centred, cylinder, capsule and cone (tip up) along z and centred, plane =
+/// half-space z <= 0, mesh where its vertices are.
 struct Shape {
-  enum class Type { kBox, kSphere, kCylinder, kCapsule, kPlane };
+  enum class Type { kBox, kSphere, kCylinder, kCapsule, kPlane, kCone, kMesh };
   Type type = Type::kBox;
   Vec3 size = Vec3::Zero();  // box: full edge lengths; sphere: [radius]; cylinder, capsule: [radius, length of the
-                             // straight part]
+                             // straight part]; cone: [radius, length]; mesh: [padding, >= 0]
+  std::shared_ptr<const ColliderMesh> mesh;  // of kMesh only
   Pose collider_from_shape = Pose::Identity();
 };
 
-/// A rigid body that deformables may not enter. Several primitives move as one.
+/// A rigid body that deformables may not enter. Several shapes move as one.
 struct Collider {
   std::string name;
   std::vector<Shape> shapes;
@@ -26,8 +31,8 @@ struct Collider {
   std::string frame;  // tf frame it is attached to (moved there by the ROS layer); empty = fixed in the world
 };
 
-/// Throws InputError naming the collider: no name, no shape, a size <= 0 (a capsule's straight part may be 0), a pose
-/// that is not finite or not rigid, friction negative or not finite.
+/// Throws InputError naming the collider: no name, no shape, a size <= 0 (a capsule's straight part may be 0), a mesh
+/// without triangles, a pose that is not finite or not rigid, friction negative or not finite.
 void check_collider(const Collider& collider);
 
 }  // namespace deformable_sim

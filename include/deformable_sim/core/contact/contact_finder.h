@@ -23,9 +23,10 @@ enum class NodeRole : char {
 /// Speculative contact planes (doc/theory/contact.md).
 ///
 /// Every point whose surface distance is within its reach, contact radius + relative motion expected in the step, gets
-/// the tangent plane at its nearest surface point, carried along with the collider to the end of the step. All shapes
-/// are convex, so a point on the outer side of that plane is outside the shape, however thin it is and however fast it
-/// moves. A point that moves further than expected is told by missed_motion(): the step is repeated with a wider reach.
+/// the tangent plane at its nearest surface point, carried along with the collider to the end of the step. A point on
+/// the outer side of that plane is outside a convex shape, however thin it is and however fast it moves. A mesh that is
+/// not convex gives a point one plane for every triangle in reach that no other plane has below it. A point that moves
+/// further than expected is told by missed_motion(): the step is repeated with a wider reach.
 ///
 /// Not good at: surfaces poking between the points of a coarse mesh; contact of a body with itself.
 class ContactFinder {
@@ -68,6 +69,8 @@ class ContactFinder {
     Pose collider_from_shape;
     int collider;
     double friction;
+    std::int64_t first_key = 0;
+    std::int64_t keys_per_point = 1;         // triangles of a mesh that is not convex
     bool attached;                           // to a frame
     Pose end_from_begin = Pose::Identity();  // the collider's motion in this step, in world axes
     bool moves = false;
@@ -76,7 +79,7 @@ class ContactFinder {
   };
   /// A plane of this or the last step in collider coordinates, to keep points on their side of thin plates.
   struct Plane {
-    std::int64_t key;  // shape and point, ascending
+    std::int64_t key;  // shape, point and (concave meshes) triangle, ascending
     int shape;
     Vec3 normal, point;   // collider frame
     double end_offset;    // normal . p of the surface at the end of the step, world frame
@@ -92,12 +95,16 @@ class ContactFinder {
   void place_shape(PlacedShape* shape, const PoseStep& pose) const;
   void place_points(const std::vector<ContactPoint>& points, const State& s, const std::vector<NodeRole>& roles,
                     std::vector<Point>* placed) const;
+  template <bool kConcave>
   void find_on_shape(int shape, const std::vector<ContactPoint>& points, const std::vector<PointBlock>& blocks,
                      const std::vector<Point>& placed, std::int64_t first_key, const PoseStep& pose, double dt,
                      ContactConstraints* contacts);
   void add_plane(int shape, const ContactPoint& point, const Vec3& p, SurfacePoint surface, std::int64_t key,
                  const PoseStep& pose, double dt, ContactConstraints* contacts);
+  void add_planes_of_mesh(int shape, const ContactPoint& point, const Vec3& p, double reach, SurfacePoint surface,
+                          std::int64_t first_key, const PoseStep& pose, double dt, ContactConstraints* contacts);
   void keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface);
+  static bool take_back_to(const Plane& last, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface);
   bool implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const;
 
   const Model* model_;

@@ -1,7 +1,8 @@
-// The wall around FCL: signed distance and outward normal from a point to one primitive. No FCL type in this header.
+// The wall around FCL: signed distance and outward normal from a point to one shape. No FCL type in this header.
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "deformable_sim/core/contact/collider.h"
 
@@ -12,8 +13,15 @@ struct SurfacePoint {
   Vec3 normal = Vec3::UnitZ();  // unit, out of the shape; nearest surface point = p - distance * normal
 };
 
-/// One placed primitive. The distance comes from FCL's closed-form sphere kernels: a sphere of radius `reach` around
-/// the point overlaps the shape by `depth`, so distance = reach - depth, exact inside and out.
+/// A plane of a mesh, and the number of the triangle it is for.
+struct SurfacePlane {
+  SurfacePoint surface;
+  int triangle = 0;
+};
+
+/// One placed shape. The distance to a primitive comes from FCL's closed-form sphere kernels: a sphere of radius
+/// `reach` around the point overlaps the shape by `depth`, so distance = reach - depth, exact inside and out. That to a
+/// cone (cone_distance.h) and to a mesh (collider_mesh.h) is exact too.
 /// Not for concurrent use: it reuses its work space.
 class SurfaceQuery {
  public:
@@ -26,6 +34,14 @@ class SurfaceQuery {
   /// False when the surface is further than `reach` (m, >= 0) outside. At the centre of a sphere and on the axis of a
   /// capsule, where no direction is nearest, the normal is the shape's +x.
   bool find(const Vec3& p, double reach, SurfacePoint* found);
+
+  /// Some number for a mesh that is not convex: a point needs planes() there, one for each triangle at most; 0 where
+  /// the tangent plane at the nearest point separates.
+  int concave_triangles() const;
+  /// Of such a mesh: planes that together keep p from entering it, in the order of their triangles. `nearest` is what
+  /// find() told, or another surface point that p, inside, is to come out at. `clearance` (m): how far p is kept from
+  /// the surface. Valid until the next call.
+  const std::vector<SurfacePlane>& planes(const Vec3& p, const SurfacePoint& nearest, double reach, double clearance);
 
   /// False for a plane, which is not in any box.
   bool bounded() const;
