@@ -141,7 +141,8 @@ void SheetSolve::couple() {
   for (const TargetSprings* springs : around_->targets) {
     for (int node : springs->nodes()) {
       const int i = index(node);
-      if (i >= 0) couplings.push_back({{place(i), 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}, 1, springs->stiffness() * Mat3::Identity()});
+      if (i >= 0)
+        couplings.push_back({{place(i), 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}, 1, springs->stiffness() * Mat3::Identity()});
     }
   }
   for (const LimitSprings* limits : around_->limits) {
@@ -178,7 +179,11 @@ void SheetSolve::push_out() {
 
 void SheetSolve::report_contacts(ContactConstraints* contacts) {
   contacts_.report(touched_x_, &constraints_);
-  for (size_t k = 0; k < constraints_.size(); ++k) (*contacts)[constraint_of_[k]].force = constraints_[k].force;
+  for (size_t k = 0; k < constraints_.size(); ++k) {
+    ContactConstraint& c = (*contacts)[constraint_of_[k]];
+    c.force = constraints_[k].force;
+    c.stuck = constraints_[k].stuck;
+  }
 }
 
 }  // namespace deformable_sim

@@ -1,0 +1,62 @@
+// What friction remembers from step to step, so that what sticks stays where it is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "deformable_sim/core/contact/constraint.h"
+
+namespace deformable_sim {
+
+/// m: a sticking contact gives way this much before it slides, whatever it carries and however long the step is.
+constexpr double kStickGive = 5e-6;
+
+/// p = sum_k weight_k x_k, m.
+Vec3 contact_position(const ContactConstraint& c, const Nodes& x);
+
+/// `moved` (m), the displacement of a contact from where it stuck, without what the friction spring cannot hold: its
+/// part in the plane, at most kStickGive long. Sliding drags the place where it sticks along.
+Vec3 stick_remainder(const ContactConstraint& c, const Vec3& moved);
+
+/// ContactConstraint::stuck by contact from one step to the next, in coordinates of the finder's choice (those of the
+/// collider, or of a pair's own frame). A step may be made in parts, and again from its start:
+///
+///   begin_step()            what is remembered now is what a repeated step starts with
+///   rewind(), recall(key)   keys ascending; of the last part that was stored. As often as wanted
+///   store(key, stuck) ...   keys ascending
+///   end_part()              a part of the step is accepted: what was stored since the last one is remembered
+///   restart()               the step begins again
+///
+/// Allocates nothing once lists have their size.
+class StickMemory {
+ public:
+  void begin_step();
+  void restart();
+  void forget();
+
+  void rewind() { next_ = 0; }
+  /// m; zero for a contact that did not stick.
+  Vec3 recall(std::int64_t key) {
+    const std::vector<Entry>& list = remembered_ == Remembered::kOfStart ? start_ : last_;
+    while (next_ < list.size() && list[next_].key < key) ++next_;
+    return next_ < list.size() && list[next_].key == key ? list[next_].stuck : Vec3::Zero();
+  }
+
+  void store(std::int64_t key, const Vec3& stuck) {
+    if (!stuck.isZero(0.0)) stored_.push_back({key, stuck});
+  }
+  void end_part();
+
+ private:
+  struct Entry {
+    std::int64_t key;
+    Vec3 stuck;
+  };
+  enum class Remembered { kOfStart, kOfLastPart };
+
+  std::vector<Entry> start_, last_, stored_;
+  Remembered remembered_ = Remembered::kOfStart;
+  size_t next_ = 0;
+};
+
+}  // namespace deformable_sim
