@@ -9,7 +9,7 @@
 namespace deformable_sim {
 
 /// m: a sticking contact gives way this much before it slides, whatever it carries and however long the step is.
-constexpr double kStickGive = 5e-6;
+constexpr double kStickGive = 2e-5;
 
 /// p = sum_k weight_k x_k, m.
 Vec3 contact_position(const ContactConstraint& c, const Nodes& x);
