@@ -1,6 +1,7 @@
 // What friction remembers from step to step.
 #include <gtest/gtest.h>
 
+#include "deformable_sim/core/contact/stick.h"
 #include "deformable_sim/core/contact/stick_memory.h"
 
 namespace deformable_sim {

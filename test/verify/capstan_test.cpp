@@ -7,6 +7,7 @@
 
 #include "support/small_worlds.h"
 #include "support/system.h"
+#include "support/verification.h"
 
 namespace deformable_sim::test {
 namespace {
@@ -81,7 +82,8 @@ TEST_P(Capstan, TensionsDifferByTheExponentialOfMuPhi) {
         for (size_t end = 0; end < 2; ++end) sums[end] += grasps[end].force.norm();
       }
     }
-    EXPECT_NEAR(sums[1] / sums[0], std::exp(mu * M_PI), 0.02 * std::exp(mu * M_PI)) << mu;
+    check("B13", "half turn, T2 / T1, mu " + std::to_string(mu) + ", " + GetParam(), sums[1] / sums[0],
+          std::exp(mu * M_PI), 0.02);
   }
 }
 

@@ -27,7 +27,7 @@ struct ContactConstraint {
   int collider = -1;                     // index into the world's colliders; -1: another body of the world
   Vec3 force = Vec3::Zero();             // N on the body, written by the integrator: normal + friction
   // m, tangential, world axes: how far the point is from where it stuck. In: before the step, turned with the collider
-  // (StickMemory). Out, from schemes whose friction is a spring: after it (stick_remainder).
+  // (StickMemory). Out, from schemes whose friction is a spring: after it (stick_remainder, contact/stick.h).
   Vec3 stuck = Vec3::Zero();
 };
 

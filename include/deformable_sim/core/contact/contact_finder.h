@@ -7,6 +7,7 @@
 #include "deformable_sim/core/contact/collider_set.h"
 #include "deformable_sim/core/contact/constraint.h"
 #include "deformable_sim/core/contact/contact_points.h"
+#include "deformable_sim/core/contact/stick.h"
 #include "deformable_sim/core/contact/stick_memory.h"
 #include "deformable_sim/core/contact/surface_query.h"
 #include "deformable_sim/core/model.h"

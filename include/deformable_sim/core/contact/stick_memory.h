@@ -4,19 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "deformable_sim/core/contact/constraint.h"
+#include "deformable_sim/core/types.h"
 
 namespace deformable_sim {
-
-/// m: a sticking contact gives way this much before it slides, whatever it carries and however long the step is.
-constexpr double kStickGive = 2e-5;
-
-/// p = sum_k weight_k x_k, m.
-Vec3 contact_position(const ContactConstraint& c, const Nodes& x);
-
-/// `moved` (m), the displacement of a contact from where it stuck, without what the friction spring cannot hold: its
-/// part in the plane, at most kStickGive long. Sliding drags the place where it sticks along.
-Vec3 stick_remainder(const ContactConstraint& c, const Vec3& moved);
 
 /// ContactConstraint::stuck by contact from one step to the next, in coordinates of the finder's choice (those of the
 /// collider, or of a pair's own frame). A step may be made in parts, and again from its start:

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "deformable_sim/core/contact/stick_memory.h"
+#include "deformable_sim/core/contact/stick.h"
 #include "deformable_sim/core/linear/block_matrix.h"
 
 namespace deformable_sim {
