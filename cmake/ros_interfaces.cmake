@@ -24,6 +24,8 @@ find_package(orocos_kdl REQUIRED)
 add_message_files(DIRECTORY msg FILES
   BodyMesh.msg
   BodyState.msg
+  Contact.msg
+  ContactArray.msg
   GraspCommand.msg
   GraspSelection.msg
   GraspState.msg

@@ -194,13 +194,16 @@ void World::Parts::keep_last_good() {
   good_state = state;
   grasps.save_motions(&good_grasps);
   good_colliders = colliders.motions();
+  if (contacts) contacts->begin_step();
+  if (meetings) meetings->begin_step();
 }
 
 void World::Parts::restore_last_good() {
   state = good_state;
   grasps.restore_motions(good_grasps);
   colliders.restore_motions(good_colliders);
-  if (contacts) contacts->forget_sides();
+  if (contacts) contacts->restart_step();
+  if (meetings) meetings->restart_step();
 }
 
 bool World::Parts::state_is_sane() const {
@@ -233,7 +236,12 @@ void World::Parts::integrate(double h) {
 void World::Parts::limit_strain(double h) {
   if (!state.finite()) return;
   const double start = clock();
+  for (ContactConstraint& c : dynamics.contacts) c.stuck -= contact_position(c, state.x);
   const StrainLimitReport found = limiter->project(h, &dynamics, &state);
+  for (ContactConstraint& c : dynamics.contacts) {
+    const bool touches = !c.force.isZero(0.0);
+    c.stuck = touches ? stick_remainder(c, c.stuck + contact_position(c, state.x)) : Vec3::Zero();
+  }
   cost.limits += clock() - start;
   limits_met = found.converged;
   excess = found.violation;
@@ -256,7 +264,9 @@ bool World::Parts::integrate_with_contacts(double h, const State& before) {
     extra_reach += missed;
     state = before;
   }
+  if (contacts) contacts->keep_stuck(dynamics.contacts, collider_steps);
   if (contacts) violation = std::max(violation, contacts->violation(state.x, dynamics.contacts));
+  if (meetings) meetings->keep_stuck(dynamics.contacts);
   if (meetings) keep_bodies_apart(h, before);
   return true;
 }

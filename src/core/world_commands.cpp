@@ -79,6 +79,7 @@ Reply World::apply(const Command& any) {
       }
       if (w.grasps.hold_in_place(index, w.state)) reply.note = "held nodes are now held where they were put";
       if (w.contacts) w.contacts->forget_sides();
+      if (w.meetings) w.meetings->forget();
       w.state.x_before.resize(3, 0);  // the motion up to here is not that of the new state
       w.state.v_before.resize(3, 0);
       w.stable_dt_age = -1;

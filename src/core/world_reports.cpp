@@ -214,6 +214,27 @@ Snapshot World::snapshot(SnapshotDetail detail) const {
   return s;
 }
 
+std::vector<ContactReport> World::contact_reports() const {
+  const Parts& w = *parts_;
+  std::vector<ContactReport> reports;
+  for (const ContactConstraint& c : w.dynamics.contacts) {
+    if (c.force.isZero(0.0)) continue;
+    ContactReport r;
+    while (c.node[0] >= w.model->bodies[static_cast<size_t>(r.body)].first_node +
+                            w.model->bodies[static_cast<size_t>(r.body)].node_count)
+      ++r.body;
+    const double radius = w.model->bodies[static_cast<size_t>(r.body)].contact_radius;
+    const Vec3 p = contact_position(c, w.state.x);
+    r.collider = c.collider;
+    r.normal = c.normal;
+    r.force = c.force;
+    r.distance = c.normal.dot(p) - c.offset;
+    r.point = p - (r.distance + radius) * c.normal;
+    reports.push_back(r);
+  }
+  return reports;
+}
+
 std::vector<GraspReport> World::grasp_reports() const {
   return parts_->grasps.reports();
 }

@@ -81,6 +81,14 @@ std::string FrameFollower::frame_of(const std::string& name) const {
   return "";
 }
 
+std::vector<std::string> FrameFollower::colliders() const {
+  std::vector<std::string> names;
+  for (const Follower& follower : followers_) {
+    if (follower.kind == Kind::kCollider) names.push_back(follower.name);
+  }
+  return names;
+}
+
 void FrameFollower::update(World* world) {
   for (Follower& follower : followers_) {
     const auto pose = frames_.latest(follower.frame);
@@ -107,6 +115,7 @@ void FrameFollower::take(const FramePose& pose, World* world, Follower* follower
   const Pose target = pose.world_from_frame * *follower->frame_from_part;
   if (follower->absent) {
     follower->absent->world_from_collider = target;
+    follower->absent->frame_from_collider = *follower->frame_from_part;
     const Reply reply = world->apply(command::AddCollider{*follower->absent});
     follower->absent.reset();
     if (!reply.status.ok()) warnings_->set("frame of " + follower->name, follower->name + ": " + reply.status.message);

@@ -71,10 +71,10 @@ class Node {
     services_.start();
     topics_.start();
     TopicKeeper keeper(services_.names());
-    const auto grasps_changed = [&](const std::vector<std::string>& names, std::shared_ptr<PublisherSet> publishers) {
+    const auto names_changed = [&](const TopicNames& names, std::shared_ptr<PublisherSet> publishers) {
       keeper.post([this, names, publishers] {
         for (const PublisherSet::Entry& entry : publishers->entries) entry.publisher->update(names);
-        topics_.update(names);
+        topics_.update(names.grasps);
       });
     };
     Simulation::TimeChanged time_changed;
@@ -85,7 +85,7 @@ class Node {
         clock_.publish(message);
       };
     }
-    simulation_.start(std::move(scene), grasps_changed, time_changed);
+    simulation_.start(std::move(scene), names_changed, time_changed);
     spinner.start();
     ROS_INFO_NAMED("simulation", "running");
     ros::waitForShutdown();

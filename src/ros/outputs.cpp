@@ -75,6 +75,19 @@ bool Outputs::is_due(const PublisherSet::Entry& entry, const Due& due, double ti
   return entry.repeats && age >= kRepeatPeriod;
 }
 
+/// Whether any publisher `asks`, of what is due now and of what the publishing thread has not come to: the next letter
+/// stands in for that one too.
+template <class Asks>
+bool Outputs::any_due(const Asks& asks) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool waits = letter_ && letter_->publishers == publishers_;
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const bool due = now_[i] || (waits && letter_->due[i]);
+    if (due && asks(*publishers_->entries[i].publisher)) return true;
+  }
+  return false;
+}
+
 bool Outputs::offer(const World& world, std::uint64_t version, Motion motion, const std::function<Instant()>& run) {
   const double time = world.time();
   const double dt = world.settings().dt;
@@ -104,23 +117,16 @@ bool Outputs::offer(const World& world, std::uint64_t version, Motion motion, co
   }
   if (!any) return later;
   auto instant = std::make_shared<Instant>(run());
-  instant->snapshot = world.snapshot(wanted_detail());
+  const bool reports = any_due([](const Publisher& p) { return p.detail() == SnapshotDetail::kReports; });
+  instant->snapshot = world.snapshot(reports ? SnapshotDetail::kReports : SnapshotDetail::kMotion);
+  if (any_due([](const Publisher& p) { return p.shows_contacts(); })) {
+    instant->snapshot.contacts = world.contact_reports();
+  }
   instant->warnings.insert(instant->warnings.begin(), instant->snapshot.warnings.begin(),
                            instant->snapshot.warnings.end());
   ++snapshots_;
   send({publishers_, std::move(instant), now_});
   return later;
-}
-
-/// Of what is due now, and of what the publishing thread has not come to: the next letter stands in for that one too.
-SnapshotDetail Outputs::wanted_detail() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const bool waits = letter_ && letter_->publishers == publishers_;
-  for (std::size_t i = 0; i < now_.size(); ++i) {
-    const bool due = now_[i] || (waits && letter_->due[i]);
-    if (due && publishers_->entries[i].publisher->detail() == SnapshotDetail::kReports) return SnapshotDetail::kReports;
-  }
-  return SnapshotDetail::kMotion;
 }
 
 void Outputs::send(Letter letter) {

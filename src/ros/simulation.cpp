@@ -61,8 +61,8 @@ Simulation::~Simulation() {
   stop();
 }
 
-void Simulation::start(LoadedScene scene, GraspsChanged grasps_changed, TimeChanged time_changed) {
-  grasps_changed_ = std::move(grasps_changed);
+void Simulation::start(LoadedScene scene, NamesChanged names_changed, TimeChanged time_changed) {
+  names_changed_ = std::move(names_changed);
   time_changed_ = std::move(time_changed);
   scene_ = std::move(scene);
   begin_world();
@@ -266,17 +266,21 @@ Reply Simulation::apply_now(const Command& command) {
   if (!reply.status.ok()) return reply;
   ++version_;
   follower_.applied(command);
-  if (std::holds_alternative<command::Grasp>(command) || std::holds_alternative<command::Release>(command))
-    note_grasps();
+  if (std::holds_alternative<command::Grasp>(command) || std::holds_alternative<command::Release>(command) ||
+      std::holds_alternative<command::RemoveCollider>(command))
+    note_names();
   if (std::holds_alternative<command::Reset>(command)) begin_world();
   return reply;
 }
 
 Reply Simulation::attach_now(const Collider& collider, const Pose& frame_from_collider) {
-  const Reply reply = scene_.world->apply(command::AddCollider{collider});
+  command::AddCollider add{collider};
+  add.collider.frame_from_collider = frame_from_collider;
+  const Reply reply = scene_.world->apply(add);
   if (!reply.status.ok()) return reply;
   ++version_;
   follower_.attach(collider, frame_from_collider);
+  note_names();
   return reply;
 }
 
@@ -317,14 +321,15 @@ void Simulation::begin_world() {
   speed_.pause();
   ++version_;
   follower_.begin(scene_.attached, scene_.world->grasp_reports());
-  note_grasps();
+  note_names();
   if (time_changed_) time_changed_(scene_.world->time());
 }
 
-void Simulation::note_grasps() {
-  std::vector<std::string> names;
-  for (const GraspReport& grasp : scene_.world->grasp_reports()) names.push_back(grasp.name);
-  grasps_changed_(names, scene_.publishers);
+void Simulation::note_names() {
+  TopicNames names;
+  for (const GraspReport& grasp : scene_.world->grasp_reports()) names.grasps.push_back(grasp.name);
+  names.attached_colliders = follower_.colliders();
+  names_changed_(names, scene_.publishers);
 }
 
 Instant Simulation::run_state() const {

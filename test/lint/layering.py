@@ -29,7 +29,7 @@ CORE_RULES = {
     'rope/': ['types.h', 'element/spring.h', 'energy/', 'simd_level.h', 'rope/'],
     'grid/': ['types.h', 'error.h', 'simd_level.h', 'element/jacobian.h', 'linear/', 'material/', 'parallel/', 'topology/', 'grid/'],
     'integrator/': ['types.h', 'error.h', 'state.h', 'linear/', 'parallel/', 'element/jacobian.h', 'energy/energy.h', 'energy/terms.h', 'energy/limit_springs.h',
-                    'energy/known_terms.h', 'contact/constraint.h', 'grasp/kinematics.h', 'grid/', 'rope/', 'integrator/'],
+                    'energy/known_terms.h', 'contact/constraint.h', 'contact/stick.h', 'grasp/kinematics.h', 'grid/', 'rope/', 'integrator/'],
     'contact/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'parallel/', 'topology/', 'model.h', 'contact/'],
     'grasp/': ['types.h', 'error.h', 'state.h', 'frame_motion.h', 'element/rod_frame.h', 'rod_frames.h', 'topology/', 'model.h',
                'energy/', 'grasp/'],

@@ -16,7 +16,7 @@ from shape_msgs.msg import SolidPrimitive
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import InteractiveMarkerUpdate, Marker, MarkerArray
 
-from deformable_sim.msg import BodyMesh, BodyState, GraspStateArray, Obstacle, SimStatus
+from deformable_sim.msg import BodyMesh, BodyState, ContactArray, GraspStateArray, Obstacle, SimStatus
 from support import Listener, Simulation, Status, node_position, wait_until
 
 DT = 0.01
@@ -33,6 +33,7 @@ LAZY = [
     ('sheet/state', BodyState, lambda m: m.header.stamp),
     ('grasps', GraspStateArray, lambda m: m.header.stamp),
     ('grasp/%s/wrench' % PIN, WrenchStamped, lambda m: m.header.stamp),
+    ('contacts', ContactArray, lambda m: m.header.stamp),
     ('status', SimStatus, lambda m: m.header.stamp),
     ('/tf', TFMessage, lambda m: m.transforms[0].header.stamp),
     ('/diagnostics', DiagnosticArray, None),

@@ -6,10 +6,26 @@ import unittest
 import rospy
 import rostest
 import tf2_ros
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import TransformStamped, WrenchStamped
 
-from deformable_sim.msg import SimStatus
+from deformable_sim.msg import ContactArray, SimStatus
 from support import Simulation, Status, wait_until
+
+
+NAPKIN_ON_TRAY = """
+step: {solver: manual, dt: 0.01}
+bodies:
+  - cloth:
+      name: napkin
+      size: [0.1, 0.1]
+      cells: [5, 5]
+      contact_radius: 0.001
+      pose: {position: [0.03, 0, 0.612]}
+      material: {areal_density: 0.2, thickness: 0.001, youngs_modulus: 3.0e4, bending_rigidity: [1e-5, 1e-5]}
+colliders:
+  - box: {name: tray, frame: hand, size: [0.3, 0.2, 0.02], pose: {position: [0.05, 0, 0.1]}}
+robot: {friction: 0.4}
+"""
 
 
 def transform(parent, child, z):
@@ -58,6 +74,39 @@ class Robot(unittest.TestCase):
 
         self.assertTrue(self.sim.reset().success)
         self.send_until(0.6, lambda h: abs(h.get('robot.hand', 0.0) - 0.6) < 1e-6)
+
+    def test_what_lies_on_a_link_is_felt_by_it(self):
+        # A napkin of weight W rests 3 cm off the hand's origin on the tray that the hand carries: the contacts push it up
+        # by W, and the tray feels (0, 0, -W) and the torque r x F = (0, 0.03 W, 0) about the hand.
+        answer = self.sim.load_scene(yaml=NAPKIN_ON_TRAY)
+        self.assertEqual(answer.status.code, Status.OK, answer.status.message)
+        wanted = {self.sim.topic('contact/%s/wrench' % name) for name in ('tray', 'robot/hand', 'robot/base')}
+        wait_until(lambda: wanted <= set(dict(rospy.get_published_topics())), 'topics of what the robot feels')
+        self.send_until(0.5, lambda h: 'tray' in h)
+        self.sim.steps(300)
+
+        contacts = self.sim.listen('contacts', ContactArray)
+        felt = self.sim.listen('contact/tray/wrench', WrenchStamped)
+        other = self.sim.listen('contact/robot/hand/wrench', WrenchStamped)
+        time = self.sim.steps(20)
+        touching, wrench, none = (topic.wait(lambda m: abs(m.header.stamp.to_sec() - time) < 1e-6)
+                                  for topic in (contacts, felt, other))
+        weight = 0.2 * 0.1 * 0.1 * 9.81
+        self.assertEqual(touching.header.frame_id, 'world')
+        self.assertEqual({(c.collider, c.link, c.body) for c in touching.contacts}, {('tray', 'hand', 'napkin')})
+        self.assertAlmostEqual(sum(c.force.z for c in touching.contacts), weight, delta=0.01 * weight)
+        for contact in touching.contacts:
+            self.assertAlmostEqual(contact.point.z, 0.61, delta=1e-9)
+            self.assertAlmostEqual(contact.normal.z, 1.0, delta=1e-9)
+            self.assertAlmostEqual(contact.distance, 0.0, delta=1e-4)
+        self.assertEqual(wrench.header.frame_id, 'hand')
+        self.assertAlmostEqual(wrench.wrench.force.z, -weight, delta=0.01 * weight)
+        self.assertAlmostEqual(wrench.wrench.torque.x, 0.0, delta=0.01 * 0.03 * weight)
+        self.assertAlmostEqual(wrench.wrench.torque.y, 0.03 * weight, delta=0.01 * 0.03 * weight)
+        self.assertEqual((none.header.frame_id, none.wrench.force.z), ('hand', 0.0))
+        for topic in (contacts, felt, other):
+            topic.close()
+        self.assertEqual(self.sim.load_scene(file=rospy.get_param('/deformable_sim/scene')).status.code, Status.OK)
 
     def test_a_link_is_no_obstacle_of_a_user(self):
         answer = self.sim.remove_obstacle('robot.hand')

@@ -78,7 +78,7 @@ TEST(ContactFinder, WidensItsReachByTheSurfaceMotion) {
 }
 
 TEST(ContactFinder, CarriesThePlaneWithATurningCollider) {
-  // A box turning by a about x carries its top plane: n = R e_z, offset = n . R q; the surface moves by (R - I) q.
+  // A box turning by a about x carries its top plane: n = R e_z, offset = n . R q; p moves with it by (R - I) p.
   const double a = 0.1;
   Scene s(column(0, 0.2, 0.001), {collider("table", Shape::Type::kBox, Vec3(1, 1, 1), at(0, 0, -0.5))});
   s.poses[0].end = at(0, 0, 0, a, Vec3::UnitX()) * s.poses[0].begin;
@@ -87,7 +87,7 @@ TEST(ContactFinder, CarriesThePlaneWithATurningCollider) {
   const Mat3 r = Eigen::AngleAxisd(a, Vec3::UnitX()).toRotationMatrix();
   EXPECT_NEAR((contacts[0].normal - r * Vec3::UnitZ()).norm(), 0.0, 1e-12);
   EXPECT_NEAR(contacts[0].offset, 0.0, 1e-12);
-  EXPECT_NEAR((contacts[0].surface_velocity - (r * Vec3(0, 0.2, 0) - Vec3(0, 0.2, 0)) / kDt).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((contacts[0].surface_velocity - (r * Vec3(0, 0.2, 0.001) - Vec3(0, 0.2, 0.001)) / kDt).norm(), 0.0, 1e-9);
 }
 
 TEST(ContactFinder, LeavesHeldNodesAlone) {

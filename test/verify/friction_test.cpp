@@ -29,8 +29,10 @@ class Slider {
       c.normal = normal_;
       c.friction = friction_;
       c.surface_velocity = surface_velocity;
+      c.stuck = stuck_;
       body_.dynamics.contacts.assign(1, c);
       body_.step(*integrator_, kStep);
+      stuck_ = body_.dynamics.contacts[0].stuck;
     }
   }
   double travelled() const { return downhill_.dot(Vec3(body_.state.x)); }
@@ -45,6 +47,7 @@ class Slider {
   std::unique_ptr<Integrator> integrator_;
   double friction_;
   Vec3 normal_, downhill_;
+  Vec3 stuck_ = Vec3::Zero();
 };
 
 class Friction : public testing::TestWithParam<std::string> {};

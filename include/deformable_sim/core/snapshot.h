@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deformable_sim/core/contact/collider.h"
+#include "deformable_sim/core/contact/contact_report.h"
 #include "deformable_sim/core/grasp/grasp.h"
 #include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/core/model.h"
@@ -43,6 +44,7 @@ struct Snapshot {
   Eigen::VectorXf contact_force;   // N at each node, normal and friction; empty when nothing touches
   std::vector<GraspReport> grasps;
   std::vector<Collider> colliders;
+  std::vector<ContactReport> contacts;  // only where World::contact_reports() was asked for them
   StepReport report;
   std::string integrator;
   double dt = 0.0;   // s

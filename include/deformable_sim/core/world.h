@@ -64,6 +64,8 @@ class World {
   Snapshot snapshot(SnapshotDetail detail = SnapshotDetail::kReports) const;
   /// Of the snapshot, the grasps alone.
   std::vector<GraspReport> grasp_reports() const;
+  /// Contacts that carried a force in the last step, in the order of colliders and points. Not part of snapshot().
+  std::vector<ContactReport> contact_reports() const;
   std::vector<BillItem> bill() const;
 
  private:

@@ -30,6 +30,8 @@ class FrameFollower {
   void attach(const Collider& collider, const Pose& frame_from_collider);
   /// The frame that moves a grasp or a collider; empty when none does.
   std::string frame_of(const std::string& name) const;
+  /// Names of the colliders that frames move.
+  std::vector<std::string> colliders() const;
   void update(World* world);
 
  private:

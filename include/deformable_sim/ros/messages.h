@@ -7,6 +7,7 @@
 #define deformable_sim deformable_sim_msgs
 #include <deformable_sim/AddObstacle.h>
 #include <deformable_sim/BodyMesh.h>
+#include <deformable_sim/ContactArray.h>
 #include <deformable_sim/GetState.h>
 #include <deformable_sim/Grasp.h>
 #include <deformable_sim/GraspCommand.h>

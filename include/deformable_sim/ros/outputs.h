@@ -64,7 +64,8 @@ class Outputs {
 
   bool is_due(const PublisherSet::Entry& entry, const Due& due, double time, double dt, std::uint64_t version,
               Motion motion, bool* later) const;
-  SnapshotDetail wanted_detail();
+  template <class Asks>
+  bool any_due(const Asks& asks);
   void send(Letter letter);
   void publish_loop();
 

@@ -32,8 +32,8 @@ struct LoadedScene {
 /// All public functions may be called from any thread; they wait for the simulation thread unless they say otherwise.
 class Simulation {
  public:
-  /// Told on the simulation thread which grasps there are, whenever that changed.
-  using GraspsChanged = std::function<void(const std::vector<std::string>& names, std::shared_ptr<PublisherSet>)>;
+  /// Told on the simulation thread which grasps and attached colliders there are, whenever that changed.
+  using NamesChanged = std::function<void(const TopicNames& names, std::shared_ptr<PublisherSet>)>;
   /// Told after each step and reset: simulated time, s. Empty when there is no /clock to publish.
   using TimeChanged = std::function<void(double time)>;
 
@@ -46,7 +46,7 @@ class Simulation {
   Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings);
   ~Simulation();
 
-  void start(LoadedScene scene, GraspsChanged grasps_changed, TimeChanged time_changed);
+  void start(LoadedScene scene, NamesChanged names_changed, TimeChanged time_changed);
   /// Ends the thread; whoever waits is answered.
   void stop();
 
@@ -80,7 +80,7 @@ class Simulation {
   Reply all_now(const std::vector<Command>& commands);
   Reply start_steps(const std::shared_ptr<StepRun>& run);
   void begin_world();
-  void note_grasps();
+  void note_names();
   void end_steps(const Status& status);
   void watch_speed(double cost, SpeedMeter::Clock::time_point began);
   std::string description() const;
@@ -94,7 +94,7 @@ class Simulation {
   SpeedMeter speed_;
   FrameFollower follower_;
   Outputs outputs_;
-  GraspsChanged grasps_changed_;
+  NamesChanged names_changed_;
   TimeChanged time_changed_;
 
   // Of the simulation thread.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "deformable_sim/core/contact/stick.h"
+
 namespace deformable_sim {
 namespace {
 
@@ -28,6 +30,13 @@ Vec3 mean(const std::array<int, 4>& node, const std::array<double, 4>& weight, s
   Vec3 sum = Vec3::Zero();
   for (size_t k = 0; k < count; ++k) sum += weight[k] * x.col(node[k]);
   return sum;
+}
+
+/// What two contacts of the same place have in common: nodes, and how many are of the first side.
+std::array<int, 5> place_of(const ContactConstraint& c) {
+  int first = 0;
+  while (first < c.count && c.weight[static_cast<size_t>(first)] > 0.0) ++first;
+  return {{c.node[0], c.node[1], c.node[2], c.node[3], first}};
 }
 
 /// Whether the segment p q and the triangle a b c have a point in common that is inside both.
@@ -240,6 +249,7 @@ void BodyContacts::find(const State& s, double dt, const std::vector<int>& held,
   const auto end =
       std::unique(touches_.begin(), touches_.end(), [&](const Touch& a, const Touch& b) { return key(a) == key(b); });
   touches_.erase(end, touches_.end());
+  memory_.rewind();
   for (const Touch& t : touches_) add_constraint(t, dt, contacts);
 }
 
@@ -247,7 +257,7 @@ double BodyContacts::rest_distance(const Touch& t) const {
   return mean(t.node, t.weight, static_cast<size_t>(t.count), rest_).norm();
 }
 
-void BodyContacts::add_constraint(const Touch& t, double dt, ContactConstraints* contacts) const {
+void BodyContacts::add_constraint(const Touch& t, double dt, ContactConstraints* contacts) {
   const Body &a = model_->bodies[static_cast<size_t>(t.body_a)], &b = model_->bodies[static_cast<size_t>(t.body_b)];
   double asked = a.contact_radius + b.contact_radius;
   if (t.body_a == t.body_b) asked = std::min(asked, kRestShare * rest_distance(t));
@@ -260,16 +270,24 @@ void BodyContacts::add_constraint(const Touch& t, double dt, ContactConstraints*
   // A load may have pressed them together; what began far too near comes apart without a bang.
   c.offset = distance > kPressedShare * asked ? asked : std::min(asked, distance + kExitSpeed * dt);
   c.friction = std::sqrt(a.friction * b.friction);
+  const Vec3 stuck = memory_.recall(place_of(c));
+  c.stuck = stuck - c.normal.dot(stuck) * c.normal;
   contacts->push_back(c);
+}
+
+void BodyContacts::keep_stuck(const ContactConstraints& contacts) {
+  for (const ContactConstraint& c : contacts) {
+    if (c.collider < 0) memory_.store(place_of(c), c.stuck);
+  }
+  memory_.end_part();
 }
 
 double BodyContacts::violation(const Nodes& before, const Nodes& x, const ContactConstraints& contacts) {
   double worst = 0.0;
   for (const ContactConstraint& c : contacts) {
     if (c.collider >= 0) continue;
-    const auto count = static_cast<size_t>(c.count);
-    const double gap = c.normal.dot(mean(c.node, c.weight, count, x));
-    if (gap < c.normal.dot(mean(c.node, c.weight, count, before))) {
+    const double gap = c.normal.dot(contact_position(c, x));
+    if (gap < c.normal.dot(contact_position(c, before))) {
       worst = std::max(worst, (1.0 - kMayGive) * c.offset - gap);
     }
   }

@@ -24,12 +24,6 @@ Vec3 motion_at(const Pose& end_from_begin, const Vec3& p) {
   return end_from_begin * p - p;
 }
 
-Vec3 position(const ContactConstraint& c, const Nodes& x) {
-  Vec3 p = Vec3::Zero();
-  for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) p += c.weight[k] * x.col(c.node[k]);
-  return p;
-}
-
 }  // namespace
 
 ContactFinder::ContactFinder(const Model* model) : model_(model) {
@@ -47,7 +41,7 @@ ContactFinder::ContactFinder(const Model* model) : model_(model) {
 
 void ContactFinder::set_colliders(const std::vector<Collider>& colliders) {
   shapes_.clear();
-  planes_.clear();
+  forget_sides();
   for (int c = 0; c < static_cast<int>(colliders.size()); ++c) {
     const Collider& collider = colliders[static_cast<size_t>(c)];
     for (const Shape& s : collider.shapes) shapes_.emplace_back(s, c, collider);
@@ -58,6 +52,16 @@ void ContactFinder::set_colliders(const std::vector<Collider>& colliders) {
     shape.keys_per_point = std::max(1, shape.query.concave_triangles());
     key += shape.keys_per_point * point_count();
   }
+}
+
+void ContactFinder::forget_sides() {
+  planes_.clear();
+  memory_.forget();
+}
+
+void ContactFinder::restart_step() {
+  planes_.clear();
+  memory_.restart();
 }
 
 void ContactFinder::place_shape(PlacedShape* shape, const PoseStep& pose) const {
@@ -96,6 +100,7 @@ void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>&
   std::swap(planes_, last_planes_);
   planes_.clear();
   last_plane_ = 0;
+  memory_.rewind();
 
   const double common = model_->gravity.norm() * dt * dt + kSlack + extra_reach;
   for (size_t i = 0; i < node_reach_.size(); ++i)
@@ -177,7 +182,8 @@ void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, S
   if (shape.moves) {
     end = shape.end_from_begin * begin;
     c.normal = shape.end_from_begin.linear() * surface.normal;
-    c.surface_velocity = (end - begin) / dt;
+    // Not that of the surface point: where a collider turns, what lies on it half a thickness away turns with it.
+    c.surface_velocity = motion_at(shape.end_from_begin, p) / dt;
   }
   const double gap = surface.distance - body.contact_radius;
   const double surface_offset = c.normal.dot(end);
@@ -189,6 +195,8 @@ void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, S
   }
   c.friction = std::sqrt(body.friction * shape.friction);
   c.collider = shape.collider;
+  const Vec3 stuck = pose.end.linear() * memory_.recall(key);
+  c.stuck = stuck - c.normal.dot(stuck) * c.normal;
   contacts->push_back(c);
 
   const Mat3 collider_from_world = pose.begin.linear().transpose();
@@ -278,10 +286,19 @@ double ContactFinder::missed_motion(const Nodes& before, const Nodes& after) {
   return 1.5 * missed;
 }
 
+void ContactFinder::keep_stuck(const ContactConstraints& contacts, const std::vector<PoseStep>& poses) {
+  for (size_t i = 0; i < planes_.size(); ++i) {
+    const ContactConstraint& c = contacts[i];
+    const Pose& end = poses[static_cast<size_t>(c.collider)].end;
+    memory_.store(planes_[i].key, end.linear().transpose() * c.stuck);
+  }
+  memory_.end_part();
+}
+
 double ContactFinder::violation(const Nodes& x, const ContactConstraints& contacts) const {
   double worst = 0.0;
   for (size_t i = 0; i < planes_.size(); ++i)
-    worst = std::max(worst, planes_[i].asked_offset - contacts[i].normal.dot(position(contacts[i], x)));
+    worst = std::max(worst, planes_[i].asked_offset - contacts[i].normal.dot(contact_position(contacts[i], x)));
   return worst;
 }
 
@@ -292,7 +309,7 @@ double ContactFinder::penetration(const Nodes& x, const std::vector<PoseStep>& p
   for (size_t i = 0; i < planes_.size(); ++i) {
     const ContactConstraint& c = contacts[i];
     const Plane& plane = planes_[i];
-    const Vec3 p = position(c, x);
+    const Vec3 p = contact_position(c, x);
     // On the outer side of a tangent plane of a convex shape: outside.
     if (c.normal.dot(p) >= plane.end_offset) continue;
     PlacedShape& shape = shapes_[static_cast<size_t>(plane.shape)];

@@ -22,7 +22,7 @@ void ImpulseContacts::resolve(const ContactConstraints& contacts, const Eigen::V
     for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
       compliance += c.weight[k] * c.weight[k] * inverse_mass[c.node[k]];
     }
-    points_.push_back({compliance > 0.0 ? 1.0 / compliance : 0.0, 0.0, Vec3::Zero()});
+    points_.push_back({compliance > 0.0 ? 1.0 / compliance : 0.0, 0.0, Vec3::Zero(), 0.0});
   }
   bool touching = true;
   for (int pass = 0; pass < passes && touching; ++pass) {
@@ -45,7 +45,10 @@ bool ImpulseContacts::resolve(const ContactConstraint& c, const Eigen::VectorXd&
   const double normal_velocity = c.normal.dot(velocity);
   if (gap + ahead * normal_velocity >= 0.0 && contact->normal == 0.0) return false;
 
-  if (gap < 0.0) add(c, inverse_mass, Vec3(-gap * contact->mass * c.normal), &s->x);
+  if (gap < 0.0) {
+    add(c, inverse_mass, Vec3(-gap * contact->mass * c.normal), &s->x);
+    contact->pushed -= gap * contact->mass / dt;
+  }
   const double allowed = ahead > 0.0 ? -std::max(gap, 0.0) / ahead : 0.0;
   const double impulse = std::max(0.0, contact->normal + contact->mass * (allowed - normal_velocity));
   add(c, inverse_mass, Vec3((impulse - contact->normal) * c.normal), &s->v);
@@ -53,7 +56,7 @@ bool ImpulseContacts::resolve(const ContactConstraint& c, const Eigen::VectorXd&
 
   const Vec3 sliding = velocity - normal_velocity * c.normal;
   Vec3 friction = contact->friction - contact->mass * sliding;
-  const double size = friction.norm(), most = c.friction * contact->normal;
+  const double size = friction.norm(), most = c.friction * std::max(contact->normal, contact->pushed);
   if (size > most) friction *= most / size;
   const Vec3 change = friction - contact->friction;
   contact->friction = friction;

@@ -6,14 +6,12 @@ namespace deformable_sim {
 namespace {
 
 constexpr double kStiffness = 100.0;  // of a contact, in units of its inertia m / dt^2
-constexpr double kCreep = 5e-4;       // m/s: sticking contacts creep no faster, whatever they carry
 constexpr int kPushes = 4;            // sweeps of push_out()
 
 }  // namespace
 
 void PenaltyContacts::begin(const Span& span, const Nodes& start, const Nodes& x, const Eigen::VectorXd& inverse_mass,
                             const ContactConstraints& constraints) {
-  dt_ = span.duration;
   unit_ = span.unit;
   contacts_.clear();
   for (const ContactConstraint& plane : constraints) {
@@ -24,11 +22,8 @@ void PenaltyContacts::begin(const Span& span, const Nodes& start, const Nodes& x
     for (size_t k = 0; k < static_cast<size_t>(plane.count); ++k) {
       compliance += plane.weight[k] * plane.weight[k] * inverse_mass[plane.node[k]];
     }
-    if (compliance > 0.0) {
-      c.stiffness = kStiffness / (compliance * unit_ * unit_);
-      c.stick = c.stiffness * (unit_ / dt_);
-    }
-    c.reference = point(c, start) + dt_ * plane.surface_velocity;
+    if (compliance > 0.0) c.stiffness = kStiffness / (compliance * unit_ * unit_);
+    c.reference = point(c, start) + span.duration * plane.surface_velocity - plane.stuck;
     c.normal_force = std::max(0.0, -c.stiffness * gap(c, point(c, x)));
     contacts_.push_back(c);
   }
@@ -36,8 +31,9 @@ void PenaltyContacts::begin(const Span& span, const Nodes& start, const Nodes& x
 
 void PenaltyContacts::add_resting_force(Nodes* f) const {
   for (const Contact& c : contacts_) {
+    const Vec3 at_point = c.normal_force * (c.plane.normal - c.plane.friction / kStickGive * c.plane.stuck);
     for (size_t k = 0; k < static_cast<size_t>(c.plane.count); ++k) {
-      f->col(c.plane.node[k]) += c.plane.weight[k] * c.normal_force * c.plane.normal;
+      f->col(c.plane.node[k]) += c.plane.weight[k] * at_point;
     }
   }
 }
@@ -66,19 +62,9 @@ void PenaltyContacts::push_out(double depth, const Eigen::VectorXd& inverse_mass
   }
 }
 
-Vec3 PenaltyContacts::point(const Contact& c, const Nodes& x) {
-  Vec3 p = Vec3::Zero();
-  for (size_t k = 0; k < static_cast<size_t>(c.plane.count); ++k) p += c.plane.weight[k] * x.col(c.plane.node[k]);
-  return p;
-}
-
 Vec3 PenaltyContacts::sliding(const Contact& c, const Vec3& p) {
   const Vec3 moved = p - c.reference;
   return moved - c.plane.normal.dot(moved) * c.plane.normal;
-}
-
-double PenaltyContacts::stick_stiffness(const Contact& c) const {
-  return std::max(c.stick, c.plane.friction * c.normal_force / (kCreep * dt_));
 }
 
 Vec3 PenaltyContacts::force(const Contact& c, const Vec3& p) const {
@@ -88,8 +74,7 @@ Vec3 PenaltyContacts::force(const Contact& c, const Vec3& p) const {
   const double most = c.plane.friction * c.normal_force;
   if (most == 0.0) return normal;
   const Vec3 u = sliding(c, p);
-  const double stick = stick_stiffness(c), slid = u.norm();
-  return normal - (stick * slid <= most ? stick : most / slid) * u;
+  return normal - (most / std::max(u.norm(), kStickGive)) * u;
 }
 
 Mat3 PenaltyContacts::jacobian(Contact* c, const Vec3& p) const {
@@ -101,10 +86,10 @@ Mat3 PenaltyContacts::jacobian(Contact* c, const Vec3& p) const {
   const Vec3 u = sliding(*c, p);
   if (u.dot(c->sliding) < 0.0) c->cautious = ++c->turns;
   c->sliding = u;
-  const double stick = stick_stiffness(*c), slid = u.norm();
+  const double slid = u.norm();
   const Mat3 tangent = Mat3::Identity() - normal;
-  if (stick * slid <= most) {
-    h += stick * tangent;
+  if (slid <= kStickGive) {
+    h += (most / kStickGive) * tangent;
   } else if (c->cautious > 0) {
     --c->cautious;
     h += (most / slid) * tangent;  // bounds the potential from above: cannot jump back and forth over u = 0
@@ -146,7 +131,11 @@ void PenaltyContacts::add_jacobian(const Nodes& x, const Eigen::VectorXd& invers
 
 void PenaltyContacts::report(const Nodes& x, ContactConstraints* constraints) const {
   for (size_t k = 0; k < contacts_.size(); ++k) {
-    (*constraints)[k].force = force(contacts_[k], point(contacts_[k], x));
+    const Contact& c = contacts_[k];
+    const Vec3 p = point(c, x);
+    ContactConstraint& plane = (*constraints)[k];
+    plane.force = force(c, p);
+    plane.stuck = gap(c, p) < 0.0 ? stick_remainder(c.plane, p - c.reference) : Vec3::Zero();
   }
 }
 

@@ -179,7 +179,11 @@ void SheetSolve::push_out() {
 
 void SheetSolve::report_contacts(ContactConstraints* contacts) {
   contacts_.report(touched_x_, &constraints_);
-  for (size_t k = 0; k < constraints_.size(); ++k) (*contacts)[constraint_of_[k]].force = constraints_[k].force;
+  for (size_t k = 0; k < constraints_.size(); ++k) {
+    ContactConstraint& c = (*contacts)[constraint_of_[k]];
+    c.force = constraints_[k].force;
+    c.stuck = constraints_[k].stuck;
+  }
 }
 
 }  // namespace deformable_sim

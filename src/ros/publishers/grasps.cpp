@@ -1,11 +1,9 @@
 // ~grasps and ~grasp/<name>/wrench.
-#include <algorithm>
-#include <map>
-
 #include <geometry_msgs/WrenchStamped.h>
 
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/publishers/makers.h"
+#include "deformable_sim/ros/publishers/named_topics.h"
 #include "deformable_sim/ros/state_messages.h"
 
 namespace deformable_sim {
@@ -45,58 +43,30 @@ class Wrenches : public Publisher {
  public:
   explicit Wrenches(const PublisherContext& context) : context_(context), prefix_(context.node_name + "/grasp/") {}
 
-  bool wanted() const override {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return std::any_of(topics_.begin(), topics_.end(), [](const auto& entry) { return entry.second.wanted(); });
-  }
+  bool wanted() const override { return topics_.wanted(); }
+  unsigned joined() const override { return topics_.joined(); }
 
-  unsigned joined() const override {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    unsigned sum = left_;
-    for (const auto& [name, topic] : topics_) sum += topic.joined();
-    return sum;
-  }
-
-  void update(const std::vector<std::string>& grasp_names) override {
-    std::map<std::string, Topic> next;
-    for (const std::string& name : grasp_names) {
-      const auto known = topics_.find(name);  // only this thread changes the map
-      next[name] = known != topics_.end()
-                       ? known->second
-                       : Topic::advertise<geometry_msgs::WrenchStamped>(context_, "grasp/" + name + "/wrench");
-    }
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      topics_.swap(next);
-      for (const auto& [name, topic] : next) {
-        if (topics_.count(name) == 0) left_ += topic.joined();  // joined() only grows
-      }
-    }
+  void update(const TopicNames& names) override {
+    topics_.update<geometry_msgs::WrenchStamped>(context_, names.grasps,
+                                                 [](const std::string& name) { return "grasp/" + name + "/wrench"; });
   }
 
   void publish(const Instant& instant) override {
     for (const GraspReport& grasp : instant.snapshot.grasps) {
-      Topic topic;
-      {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        const auto found = topics_.find(grasp.name);
-        if (found == topics_.end() || !found->second.wanted()) continue;
-        topic = found->second;
-      }
+      const auto topic = topics_.find_wanted(grasp.name);
+      if (!topic) continue;
       geometry_msgs::WrenchStamped message;
       message.header.frame_id = prefix_ + grasp.name;
       message.header.stamp = instant.stamp;
       message.wrench = wrench_message(grasp);
-      topic.publish(message);
+      topic->publish(message);
     }
   }
 
  private:
   PublisherContext context_;
   std::string prefix_;
-  mutable std::mutex mutex_;
-  std::map<std::string, Topic> topics_;
-  unsigned left_ = 0;
+  NamedTopics topics_;
 };
 
 }  // namespace

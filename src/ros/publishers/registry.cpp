@@ -13,6 +13,8 @@ const std::vector<PublisherEntry>& publisher_registry() {
       {Rate::kState, false, make_mesh_publisher},
       {Rate::kState, false, make_grasps_publisher},
       {Rate::kState, false, make_wrench_publisher},
+      {Rate::kState, false, make_contacts_publisher},
+      {Rate::kState, false, make_contact_wrench_publisher},
       {Rate::kState, true, make_status_publisher},
       {Rate::kDiagnostics, true, make_diagnostics_publisher},
       {Rate::kState, false, make_transforms_publisher},

@@ -8,6 +8,7 @@
 #include "deformable_sim/core/contact/box_tree.h"
 #include "deformable_sim/core/contact/closest_points.h"
 #include "deformable_sim/core/contact/constraint.h"
+#include "deformable_sim/core/contact/stick_memory.h"
 #include "deformable_sim/core/model.h"
 
 namespace deformable_sim {
@@ -34,6 +35,12 @@ class BodyContacts {
   /// By how much more than a fifth of their distance the worst of `contacts` still gave way in the step, m: what the
   /// time scheme left undone.
   static double violation(const Nodes& before, const Nodes& x, const ContactConstraints& contacts);
+  /// A new step begins; the step begins anew; bodies were put elsewhere: what is known of where contacts stick.
+  void begin_step() { memory_.begin_step(); }
+  void restart_step() { memory_.restart(); }
+  void forget() { memory_.forget(); }
+  /// A part of the step is accepted: remembers ContactConstraint::stuck of contacts between bodies.
+  void keep_stuck(const ContactConstraints& contacts);
   /// After the step: moves nodes, by inverse mass, until every two pieces are on their own sides; their
   /// velocities become those of the ways they made. Returns by how much the worst pair fails to be, m; 0 when all are.
   double keep_apart(const Nodes& before, const Eigen::VectorXd& inverse_mass, double dt, State* s);
@@ -81,7 +88,7 @@ class BodyContacts {
   void keep(const std::array<int, 4>& node, int first, const ClosestPoints& found, const Piece& p, const Piece& q,
             std::vector<Touch>* touches);
   double foreseen_way(const std::array<int, 4>& node, int first) const;
-  void add_constraint(const Touch& touch, double dt, ContactConstraints* contacts) const;
+  void add_constraint(const Touch& touch, double dt, ContactConstraints* contacts);
   double rest_distance(const Touch& touch) const;
   bool widen(const Nodes& before, const Nodes& x);
   double separate(const Pair& pair, const Eigen::VectorXd& inverse_mass, Nodes* x);
@@ -97,7 +104,9 @@ class BodyContacts {
   double margin_ = 0.0;         // m, of what may touch
   std::vector<Pair> pairs_;
   std::vector<Touch> touches_;
-  std::vector<char> moved_;  // by keep_apart(), by node
+  using Place = std::array<int, 5>;  // nodes, and how many are of the first side
+  StickMemoryBy<Place> memory_;      // in world axes
+  std::vector<char> moved_;          // by keep_apart(), by node
 };
 
 }  // namespace deformable_sim

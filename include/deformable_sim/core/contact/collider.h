@@ -29,6 +29,7 @@ struct Collider {
   Pose world_from_collider = Pose::Identity();
   double friction = 0.5;
   std::string frame;  // tf frame it is attached to (moved there by the ROS layer); empty = fixed in the world
+  Pose frame_from_collider = Pose::Identity();  // of an attached one; for reports
 };
 
 /// Throws InputError naming the collider: no name, no shape, a size <= 0 (a capsule's straight part may be 0), a mesh

@@ -22,10 +22,13 @@ struct ContactConstraint {
   int count = 1;
   Vec3 normal = Vec3::UnitZ();           // out of the collider
   double offset = 0.0;                   // m
-  Vec3 surface_velocity = Vec3::Zero();  // m/s of the collider's surface at the contact
+  Vec3 surface_velocity = Vec3::Zero();  // m/s of the collider, as a rigid body, at the point
   double friction = 0.0;                 // Coulomb coefficient of this pair
   int collider = -1;                     // index into the world's colliders; -1: another body of the world
   Vec3 force = Vec3::Zero();             // N on the body, written by the integrator: normal + friction
+  // m, tangential, world axes: how far the point is from where it stuck. In: before the step, turned with the collider
+  // (StickMemory). Out, from schemes whose friction is a spring: after it (stick_remainder, contact/stick.h).
+  Vec3 stuck = Vec3::Zero();
 };
 
 using ContactConstraints = std::vector<ContactConstraint>;

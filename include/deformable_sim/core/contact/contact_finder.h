@@ -7,6 +7,8 @@
 #include "deformable_sim/core/contact/collider_set.h"
 #include "deformable_sim/core/contact/constraint.h"
 #include "deformable_sim/core/contact/contact_points.h"
+#include "deformable_sim/core/contact/stick.h"
+#include "deformable_sim/core/contact/stick_memory.h"
 #include "deformable_sim/core/contact/surface_query.h"
 #include "deformable_sim/core/model.h"
 
@@ -33,10 +35,15 @@ class ContactFinder {
  public:
   explicit ContactFinder(const Model* model);
 
-  /// Takes over shapes and friction; forgets on which side of a shape points were.
+  /// Takes over shapes and friction; forgets on which side of a shape points were, and where they stuck.
   void set_colliders(const std::vector<Collider>& colliders);
-  /// Points were put elsewhere from outside.
-  void forget_sides() { planes_.clear(); }
+  /// Points were put elsewhere from outside: they forget sides and where they stuck.
+  void forget_sides();
+
+  /// A step begins: what is known of sticking now is what it begins with, should it be repeated.
+  void begin_step() { memory_.begin_step(); }
+  /// The step since begin_step() is made again from its start.
+  void restart_step();
 
   /// Appends planes for the step from `s` to s.time + dt. `roles`, one a node, tells who gets contacts.
   /// `extra_reach` (m) widens the search. Order: by shape, then by point; the same state gives the same list.
@@ -46,6 +53,9 @@ class ContactFinder {
   /// extra_reach with which the step has to be repeated because a node moved further than its reach allowed and came
   /// near a collider (m); 0 when every contact was seen.
   double missed_motion(const Nodes& before, const Nodes& after);
+
+  /// The step, or part of one, that find() was asked for is accepted: remembers where `contacts` stick.
+  void keep_stuck(const ContactConstraints& contacts, const std::vector<PoseStep>& poses);
 
   /// How far the worst point ended behind the surface it was to stay in front of, m: what the time scheme left undone.
   double violation(const Nodes& x, const ContactConstraints& contacts) const;
@@ -116,6 +126,7 @@ class ContactFinder {
   std::vector<int> contact_of_node_;  // index of the node's plane on the shape at hand, or -1
   std::vector<Plane> planes_, last_planes_;
   size_t last_plane_ = 0;  // how far last_planes_ has been searched in this step
+  StickMemory memory_;     // by key of planes, in collider coordinates
 };
 
 /// Deepest node, edge middle or face centroid of any body inside a collider, m; 0 when none is inside. For tests and

@@ -9,7 +9,11 @@
 namespace deformable_sim {
 
 /// Each contact exactly and in turn (Gauss-Seidel, up to eight passes): inelastic normal impulse, Coulomb friction
-/// clamped to mu times it. Not good at: stacks, in which an impulse has to travel further than eight points.
+/// clamped to mu times it. A point that is pinched, pushed back by planes that look at each other, has no normal
+/// velocity to stop: there the way it is pushed in the step stands for the normal impulse (for a point that rests or
+/// lands it is no larger), so that jaws hold what they squeeze, however hard. Their squeeze itself is not reported as a
+/// force: rigid jaws leave it undetermined. Not good at: stacks, in which an impulse has to travel further than eight
+/// points.
 class ImpulseContacts {
  public:
   static constexpr int kPasses = 8;  // contacts that share nodes push each other
@@ -30,6 +34,7 @@ class ImpulseContacts {
     double mass;    // effective mass of the point, kg; 0 when it cannot move
     double normal;  // accumulated impulse, N s
     Vec3 friction;  // accumulated impulse, N s
+    double pushed;  // N s: the impulse that would have made its way back to the plane in this step
   };
   /// Whether there was anything to do.
   bool resolve(const ContactConstraint& c, const Eigen::VectorXd& inverse_mass, double dt, double drift, Point* point,

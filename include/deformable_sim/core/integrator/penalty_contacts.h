@@ -3,19 +3,20 @@
 
 #include <vector>
 
-#include "deformable_sim/core/contact/constraint.h"
+#include "deformable_sim/core/contact/stick.h"
 #include "deformable_sim/core/linear/block_matrix.h"
 #include "deformable_sim/core/linear/node_couplings.h"
 
 namespace deformable_sim {
 
-/// On the contact point p with gap g and tangential displacement u relative to the surface, in this step:
+/// On the contact point p with gap g and tangential displacement u from where it stuck, turned with the surface:
 ///
 ///   normal force    k max(0, -g),   k = 100 m / dt^2: the gap is a hundredth of what free motion would have made it
-///   friction       -min(s, mu lambda / |u|) u,   s = max(k, mu lambda / (creep dt))
+///   friction       -mu lambda u / max(|u|, kStickGive)
 ///
-/// In a stage that takes a part of the step, u is that of the part, and dt / part multiplies k in s, so that what
-/// sticks creeps at the same speed.
+/// u = ContactConstraint::stuck + the motion relative to the surface since the start of the step, or of the part of one
+/// that a stage takes; report() leaves in `stuck` what the friction can hold of it (stick_remainder), for the next part
+/// and the next step. So what sticks does not creep: it comes back to the place where its friction spring carries it.
 ///
 /// lambda is the normal force of an earlier Newton iterate, so that the forces of one iterate have a convex potential.
 class PenaltyContacts {
@@ -30,7 +31,7 @@ class PenaltyContacts {
   /// positions before, x the same with prescribed nodes at their targets.
   void begin(const Span& span, const Nodes& start, const Nodes& x, const Eigen::VectorXd& inverse_mass,
              const ContactConstraints& constraints);
-  /// f += normal forces found by begin().
+  /// f += normal forces found by begin(), and the friction there is where nothing has moved yet.
   void add_resting_force(Nodes* f) const;
   /// lambda from the positions x.
   void update_normal_forces(const Nodes& x);
@@ -52,7 +53,7 @@ class PenaltyContacts {
       if (gap(c, p) < 0.0 && c.stiffness > 0.0) visit(c.plane, jacobian(&c, p));
     }
   }
-  /// Writes ContactConstraint::force.
+  /// Writes ContactConstraint::force and stuck.
   void report(const Nodes& x, ContactConstraints* constraints) const;
   bool empty() const { return contacts_.empty(); }
 
@@ -60,21 +61,19 @@ class PenaltyContacts {
   struct Contact {
     ContactConstraint plane;
     double stiffness = 0.0;         // k, N/m; 0 when the point cannot move
-    double stick = 0.0;             // least s, N/m
     double normal_force = 0.0;      // lambda, N
-    Vec3 reference = Vec3::Zero();  // where the point would be had it moved with the surface
+    Vec3 reference = Vec3::Zero();  // where the point would be had it moved with the surface, and without friction
     Vec3 sliding = Vec3::Zero();    // u at the last Jacobian
     int turns = 0;                  // how often sliding has turned round between two Jacobians of this step
     int cautious = 0;               // Jacobians that still have to bound the friction from above
   };
-  static Vec3 point(const Contact& c, const Nodes& x);
+  static Vec3 point(const Contact& c, const Nodes& x) { return contact_position(c.plane, x); }
   static double gap(const Contact& c, const Vec3& p) { return c.plane.normal.dot(p) - c.plane.offset; }
   static Vec3 sliding(const Contact& c, const Vec3& p);
-  double stick_stiffness(const Contact& c) const;
   Vec3 force(const Contact& c, const Vec3& p) const;
   Mat3 jacobian(Contact* c, const Vec3& p) const;
 
-  double dt_ = 0.0, unit_ = 0.0;  // of the part, of the stiffness
+  double unit_ = 0.0;  // s
   std::vector<Contact> contacts_;
 };
 

@@ -21,6 +21,10 @@ std::unique_ptr<Publisher> make_mesh_publisher(const PublisherContext& context);
 std::unique_ptr<Publisher> make_grasps_publisher(const PublisherContext& context);
 /// ~grasp/<name>/wrench, geometry_msgs/WrenchStamped in the grasp frame.
 std::unique_ptr<Publisher> make_wrench_publisher(const PublisherContext& context);
+/// ~contacts, ContactArray.
+std::unique_ptr<Publisher> make_contacts_publisher(const PublisherContext& context);
+/// ~contact/<collider>/wrench, geometry_msgs/WrenchStamped in the tf frame the collider is attached to.
+std::unique_ptr<Publisher> make_contact_wrench_publisher(const PublisherContext& context);
 /// ~status, SimStatus.
 std::unique_ptr<Publisher> make_status_publisher(const PublisherContext& context);
 /// /diagnostics, REP 107.

@@ -68,6 +68,12 @@ class Topic {
   std::shared_ptr<ros::Publisher> publisher_;
 };
 
+/// What comes and goes and has topics of its own.
+struct TopicNames {
+  std::vector<std::string> grasps;
+  std::vector<std::string> attached_colliders;  // also those whose frame has not been seen yet
+};
+
 /// One kind of output. wanted() and joined() are asked on the simulation thread, publish() is called on the publishing
 /// thread, update() on the thread that keeps topics.
 class Publisher {
@@ -79,8 +85,10 @@ class Publisher {
   virtual void publish(const Instant& instant) = 0;
   /// What it shows of a snapshot; the same at any time.
   virtual SnapshotDetail detail() const { return SnapshotDetail::kMotion; }
-  /// Grasps came or went.
-  virtual void update(const std::vector<std::string>& /*grasp_names*/) {}
+  /// Whether it shows Snapshot::contacts; the same at any time.
+  virtual bool shows_contacts() const { return false; }
+  /// Something came or went.
+  virtual void update(const TopicNames& /*names*/) {}
 };
 
 /// The usual publisher: a fixed list of topics.
