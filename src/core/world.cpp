@@ -141,6 +141,7 @@ void World::Parts::start() {
   substeps = 1;
   max_penetration = 0.0;
   limits_met = true;
+  if (meetings) meetings->forget();
   failure.clear();
   cost = last_cost = CostWindow();
   grasps = GraspSet(model.get(), settings.grasp_max_speed);

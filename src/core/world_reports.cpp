@@ -214,15 +214,25 @@ Snapshot World::snapshot(SnapshotDetail detail) const {
   return s;
 }
 
+namespace {
+
+int body_of(const Model& model, int node) {
+  int body = 0;
+  while (node >=
+         model.bodies[static_cast<size_t>(body)].first_node + model.bodies[static_cast<size_t>(body)].node_count)
+    ++body;
+  return body;
+}
+
+}  // namespace
+
 std::vector<ContactReport> World::contact_reports() const {
   const Parts& w = *parts_;
   std::vector<ContactReport> reports;
   for (const ContactConstraint& c : w.dynamics.contacts) {
     if (c.force.isZero(0.0)) continue;
     ContactReport r;
-    while (c.node[0] >= w.model->bodies[static_cast<size_t>(r.body)].first_node +
-                            w.model->bodies[static_cast<size_t>(r.body)].node_count)
-      ++r.body;
+    r.body = body_of(*w.model, c.node[0]);
     const double radius = w.model->bodies[static_cast<size_t>(r.body)].contact_radius;
     const Vec3 p = contact_position(c, w.state.x);
     r.collider = c.collider;
@@ -230,6 +240,14 @@ std::vector<ContactReport> World::contact_reports() const {
     r.force = c.force;
     r.distance = c.normal.dot(p) - c.offset;
     r.point = p - (r.distance + radius) * c.normal;
+    if (c.collider < 0) {
+      // The first body's surface; the second is behind it.
+      r.point = -(r.distance + radius) * c.normal;
+      for (size_t k = 0; k < static_cast<size_t>(c.count); ++k) {
+        if (c.weight[k] > 0.0) r.point += c.weight[k] * w.state.x.col(c.node[k]);
+      }
+      r.other = body_of(*w.model, c.node[static_cast<size_t>(c.count) - 1]);
+    }
     reports.push_back(r);
   }
   return reports;

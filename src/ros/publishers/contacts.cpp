@@ -31,6 +31,8 @@ class Contacts : public TopicsPublisher {
         const Collider& collider = snapshot.colliders[static_cast<std::size_t>(c.collider)];
         contact.collider = collider.name;
         contact.link = collider.frame;
+      } else {
+        contact.collider = snapshot.model->bodies[static_cast<std::size_t>(c.other)].name;
       }
       contact.body = snapshot.model->bodies[static_cast<std::size_t>(c.body)].name;
       contact.point = to_point(c.point);
