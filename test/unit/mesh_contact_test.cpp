@@ -62,6 +62,7 @@ struct Flight {
     const Nodes before = state.x;
     double extra = 0.0;
     for (int attempt = 0; attempt < 20; ++attempt) {
+      contacts.clear();
       finder->find(state, kDt, {{begin, collider.world_from_collider}}, roles, extra, &contacts);
       Nodes after = before + kDt * state.v;
       push_out(contacts, &after);
@@ -151,7 +152,10 @@ TEST(MeshContact, KeepsAPointOnItsSideOfAThinWall) {
   finder.set_colliders({mesh_collider(test::channel_mesh())});
   State state = model->initial;
   ContactConstraints contacts;
-  const auto find = [&] { finder.find(state, kDt, {PoseStep()}, {NodeRole::kFree}, 0.0, &contacts); };
+  const auto find = [&] {
+    contacts.clear();
+    finder.find(state, kDt, {PoseStep()}, {NodeRole::kFree}, 0.0, &contacts);
+  };
   find();
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_NEAR(contacts[0].normal.y(), 1.0, 1e-12);
