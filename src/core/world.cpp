@@ -210,9 +210,9 @@ void World::Parts::restore_last_good() {
 bool World::Parts::state_is_sane() const {
   // An implicit step whose forces are not numbers leaves a finite state and a residual that is none. Of a scheme whose
   // unknowns are tensions a large one is no sign of divergence: stiffness times what is left to do.
-  // Shorter parts are judged by how far what is left would move a node, as whole steps are.
-  const double most =
-      integrator->needs().jacobian ? kDiverged * substeps * substeps : std::numeric_limits<double>::max();
+  // Where bodies meet, shorter parts are judged by how far what is left would move a node, as whole steps are.
+  const double shorter = meetings ? 1 << refinements : 1;
+  const double most = integrator->needs().jacobian ? kDiverged * shorter * shorter : std::numeric_limits<double>::max();
   // A sum is finite only where all that it sums is, and far quicker than a look at each.
   return std::isfinite(state.x.sum()) && std::isfinite(state.v.sum()) && report.residual <= most &&
          state.x.cwiseAbs().maxCoeff() <= kFurthest;
@@ -254,8 +254,12 @@ bool World::Parts::integrate_with_contacts(double h, const State& before) {
     double start = clock();
     dynamics.contacts.clear();
     if (contacts) contacts->find(state, h, collider_steps, roles, extra_reach, &dynamics.contacts);
-    if (meetings) meetings->find(state, h, dynamics.kinematics.node, dynamics.kinematics.target, &dynamics.contacts);
     cost.contact += clock() - start;
+    if (meetings) {
+      start = clock();
+      meetings->find(state, h, dynamics.kinematics.node, dynamics.kinematics.target, &dynamics.contacts);
+      cost.meetings += clock() - start;
+    }
     integrate(h);
     if (!state_is_sane()) return false;
     start = clock();
@@ -282,7 +286,7 @@ void World::Parts::keep_bodies_apart(double h, const State& before) {
     state.x = before.x;
     state.v.setZero();
   }
-  cost.contact += clock() - start;
+  cost.meetings += clock() - start;
 }
 
 bool World::Parts::advance(double h, double fraction, const State& before) {

@@ -21,9 +21,9 @@ constexpr int kMaxParts = 100000;  // of a step
 /// Thread CPU seconds by part, of the window being filled and of the last full one.
 struct CostWindow {
   static constexpr int kSteps = 50;
-  double assembly = 0.0, solve = 0.0, integrate = 0.0, limits = 0.0, contact = 0.0, grasps = 0.0;
+  double assembly = 0.0, solve = 0.0, integrate = 0.0, limits = 0.0, contact = 0.0, meetings = 0.0, grasps = 0.0;
   int steps = 0;
-  double total() const { return integrate + limits + contact + grasps; }
+  double total() const { return integrate + limits + contact + meetings + grasps; }
 };
 
 /// Worlds smaller than this ask for the time in one step of kTimedSteps only: with some 0.2 us each, asking would be a

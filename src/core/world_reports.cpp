@@ -209,7 +209,8 @@ Snapshot World::snapshot(SnapshotDetail detail) const {
   if (w.dynamics.pattern != nullptr) s.cost.push_back({"linear solver", cost.solve * per_second});
   s.cost.push_back({"integrator", std::max(0.0, cost.integrate - cost.assembly - cost.solve) * per_second});
   if (w.limiter) s.cost.push_back({"strain limits", cost.limits * per_second});
-  if (w.contacts || w.meetings) s.cost.push_back({"contact", cost.contact * per_second});
+  if (w.contacts) s.cost.push_back({"contact", cost.contact * per_second});
+  if (w.meetings) s.cost.push_back({"contact of bodies", cost.meetings * per_second});
   if (!w.grasps.empty()) s.cost.push_back({"grasps", cost.grasps * per_second});
   return s;
 }
@@ -304,8 +305,7 @@ std::vector<BillItem> World::bill() const {
                         std::to_string(w.contacts->shape_count()) + " shapes",
                     cost.contact / total});
   if (w.meetings) {
-    bill.push_back({"contact of bodies", std::to_string(w.meetings->piece_count()) + " pieces",
-                    w.contacts ? 0.0 : cost.contact / total});
+    bill.push_back({"contact of bodies", std::to_string(w.meetings->piece_count()) + " pieces", cost.meetings / total});
   }
   if (!w.grasps.empty())
     bill.push_back({"grasps", std::to_string(w.grasps.held_count()) + " nodes", cost.grasps / total});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 #include <utility>
 
 #include "deformable_sim/core/energy/known_terms.h"
@@ -179,7 +180,7 @@ LinearReport StageMatrix::solve(const Nodes& b, const Eigen::VectorXd& weight, c
       for (int node : held_) z->col(node).setZero();
       return part.definite;
     };
-    couplings_.solve(b, weight, tolerance, precondition, step, &linear);
+    couplings_.solve(b, weight, tolerance, std::cref(precondition), step, &linear);  // by reference: no allocation
   }
   report->linear_iterations += linear.iterations;
   return linear;
