@@ -112,10 +112,11 @@ TEST_P(FoldedTwice, ATowelKeepsFourLayersInOrder) {
   }
   EXPECT_GE(whole, 20);  // points 13 mm apart: 34 cm^2 or more of four layers
   EXPECT_LT(f.world->snapshot().bodies[0].kinetic_energy, 1e-5);
-  // Where the two creases cross, four layers bend twice within a cell: there alone a thread may be stretched further.
+  // Where the two creases cross, four layers bend twice within a cell: within three cells of there, and nowhere else, a
+  // thread that friction holds around them may be stretched further.
   const Nodes& rest = f.world->model().bodies[0].surface->rest;
   for (const StrainEdge& e : f.world->model().bodies[0].strain_edges) {
-    if (rest.col(e.node[0]).cwiseAbs().maxCoeff() < 0.06) continue;
+    if (rest.col(e.node[0]).cwiseAbs().maxCoeff() < 0.08) continue;
     EXPECT_LT((x.col(e.node[0]) - x.col(e.node[1])).norm(), 1.04 * e.rest_length) << e.node[0];
   }
 }

@@ -1,0 +1,106 @@
+#include "deformable_sim/core/contact/surface_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_sim {
+SurfacePieces::SurfacePieces(const Model* model)
+    : model_(model),
+      on_surface_(static_cast<size_t>(model->node_count()), 0),
+      place_(static_cast<size_t>(model->node_count())),
+      radius_start_(model->bodies.size()),
+      radius_end_(model->bodies.size()) {
+  for (size_t b = 0; b < model->bodies.size(); ++b) {
+    if (model->bodies[b].touches != BodyContact::kNone) add_pieces(static_cast<int>(b));
+  }
+  std::vector<Vec3> centers;
+  for (const Piece& p : pieces_) {
+    Vec3 sum = Vec3::Zero();
+    for (int k = 0; k < p.count; ++k) sum += model->initial.x.col(p.node[static_cast<size_t>(k)]);
+    centers.push_back(sum / p.count);
+  }
+  tree_ = PieceTree(centers);
+}
+
+void SurfacePieces::add_pieces(int body) {
+  const Body& b = model_->bodies[static_cast<size_t>(body)];
+  const size_t first_piece = pieces_.size();
+  if (b.line) {
+    for (int s = 0; s < b.line->segment_count(); ++s) {
+      const auto [i, j] = b.line->segment(s);
+      pieces_.push_back({{{b.first_node + i, b.first_node + j, -1}}, 2, body, 0u, 1u});
+    }
+  } else if (b.surface) {
+    for (const auto& t : b.surface->triangles) {
+      pieces_.push_back({{{b.first_node + t[0], b.first_node + t[1], b.first_node + t[2]}}, 3, body, 0u, 0u});
+    }
+  }
+  const auto edges = b.surface && !b.line ? edges_of(*b.surface) : std::vector<std::array<int, 2>>{};
+  std::vector<char> owned(edges.size(), 0);
+  for (size_t i = first_piece; i < pieces_.size(); ++i) {
+    Piece& p = pieces_[i];
+    for (size_t k = 0; k < static_cast<size_t>(p.count); ++k) {
+      char& mine = on_surface_[static_cast<size_t>(p.node[k])];
+      if (mine == 0) p.own_nodes |= 1u << k;
+      mine = 1;
+      if (p.count == 2) continue;
+      const int a = p.node[k] - b.first_node, c = p.node[(k + 1) % 3] - b.first_node;
+      const std::array<int, 2> edge{{std::min(a, c), std::max(a, c)}};
+      char& taken = owned[static_cast<size_t>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin())];
+      if (taken == 0) p.own_edges |= 1u << k;
+      taken = 1;
+    }
+  }
+}
+
+/// Along each direction a node is at the whole step below its place, so that two are further apart than one step less
+/// than their numbers say.
+void SurfacePieces::place(const Step& step) {
+  Vec3 origin = Vec3::Zero();
+  double count = 0.0;
+  for (size_t i = 0; i < on_surface_.size(); ++i) {
+    if (on_surface_[i] == 0) continue;
+    origin += step.start.col(static_cast<Eigen::Index>(i));
+    count += 1.0;
+  }
+  origin /= count;
+  double furthest = 0.0, widest = 0.0;
+  for (size_t i = 0; i < on_surface_.size(); ++i) {
+    if (on_surface_[i] == 0) continue;
+    const auto k = static_cast<Eigen::Index>(i);
+    furthest = std::max(furthest, (step.start.col(k) - origin).squaredNorm());
+    furthest = std::max(furthest, (step.end.col(k) - origin).squaredNorm());
+  }
+  for (size_t b = 0; b < model_->bodies.size(); ++b) {
+    if (model_->bodies[b].touches != BodyContact::kNone) widest = std::max(widest, radius_of(static_cast<int>(b)));
+  }
+  const auto reach = [&](const Reach& near) { return near.share * widest + near.wide; };
+  const double extent = std::sqrt(furthest) + std::max(reach(step.near_start), reach(step.near_end));
+  scale_ = (kMostLane - 8) / std::max(1e-6, extent);
+  for (size_t b = 0; b < model_->bodies.size(); ++b) {
+    // Without the step for rounding: lanes_of() of the width has it.
+    radius_start_[b] = lanes_of(step.near_start.share * radius_of(static_cast<int>(b))) - all_lanes(1);
+    radius_end_[b] = lanes_of(step.near_end.share * radius_of(static_cast<int>(b))) - all_lanes(1);
+  }
+  const Eigen::Matrix<double, 8, 3> directions = scale_ * unit_directions();
+  for (size_t i = 0; i < on_surface_.size(); ++i) {
+    if (on_surface_[i] == 0) continue;
+    const auto k = static_cast<Eigen::Index>(i);
+    const Eigen::Matrix<double, 8, 1> from = directions * (step.start.col(k) - origin),
+                                      to = directions * (step.end.col(k) - origin);
+    for (int d = 0; d < 8; ++d) {
+      place_[i].start[d] = static_cast<std::int16_t>(std::floor(from[d]));
+      place_[i].end[d] = static_cast<std::int16_t>(std::floor(to[d]));
+    }
+  }
+  for (int i = 0; i < piece_count(); ++i) {
+    const Piece& p = pieces_[static_cast<size_t>(i)];
+    const auto body = static_cast<size_t>(p.body);
+    Slabs& slabs = tree_.slabs_of(i);
+    slabs = slabs_of(p.node.data(), p.count);
+    slabs.inflate(radius_start_[body], radius_end_[body]);
+  }
+  tree_.refit();
+}
+
+}  // namespace deformable_sim
