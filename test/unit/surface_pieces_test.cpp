@@ -7,7 +7,6 @@
 #include <random>
 #include <set>
 
-#include "deformable_sim/core/contact/closest_points.h"
 #include "support/small_worlds.h"
 
 namespace deformable_sim {
@@ -107,11 +106,6 @@ std::shared_ptr<Model> tangle(Random* random) {
   return model;
 }
 
-ClosestPoints closest(const Meeting& m, const Nodes& x) {
-  const Vec3 a = x.col(m.node[0]), b = x.col(m.node[1]), c = x.col(m.node[2]), d = x.col(m.node[3]);
-  return m.first == 1 ? closest_point_triangle(a, b, c, d) : closest_segment_segment(a, b, c, d);
-}
-
 TEST(SurfacePieces, LeaveOutNobodyWhoComesWithinReachAtAnyTimeOfTheStep) {
   // Places far from the origin, steps of a few millimetres and of a metre: all vertices and triangles, all edges.
   for (const double way : {0.0, 0.01, 1.0}) {
@@ -135,11 +129,11 @@ TEST(SurfacePieces, LeaveOutNobodyWhoComesWithinReachAtAnyTimeOfTheStep) {
     pieces.for_each_meeting({start, end, near, near}, [&](const Meeting& m) { found.insert(key(m.node, m.first)); });
     int near_ones = 0, left_out = 0;
     pieces.for_each_meeting({start, end, {1.0, 1e3}, {1.0, 1e3}}, [&](const Meeting& m) {
-      const double reach = pieces.radius_of(m.body_a) + pieces.radius_of(m.body_b) + 0.003;
+      const double reach = pieces.radius_of(m.a->body) + pieces.radius_of(m.b->body) + 0.003;
       bool comes_near = false;
       for (int k = 0; k <= 20; ++k) {
         const Nodes x = start + 0.05 * k * (end - start);
-        comes_near = comes_near || closest(m, x).apart.norm() < reach;
+        comes_near = comes_near || closest_points(m, x).apart.norm() < reach;
       }
       near_ones += comes_near ? 1 : 0;
       const bool has = found.count(key(m.node, m.first)) == 1;

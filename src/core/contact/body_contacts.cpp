@@ -9,13 +9,15 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kMostSlack = 0.002;   // m: motion beyond what velocities foretell, at most ...
-constexpr double kSlackRate = 10.0;    // m/s^2: ... this times dt^2 ...
+constexpr double kMostSlack = 0.001;   // m: motion beyond what velocities foretell, at most ...
+constexpr double kSlackRate = 5.0;     // m/s^2: ... this times dt^2 ...
 constexpr double kLeastSlack = 1e-4;   // m: ... and at least this
 constexpr double kExitSpeed = 0.3;     // m/s: what is too near comes apart no faster
 constexpr double kPressedShare = 0.6;  // of the distance asked for: nearer ones are not just under load
 constexpr double kMayGive = 0.2;       // of the distance asked for, under load
 constexpr double kRestShare = 0.9;     // of their distance at rest that neighbours in one body keep
+constexpr double kMostTravel = 0.25;   // of an edge, that what touches moves on what it touches in a part of a step ...
+constexpr double kMostParts = 4.0;     // ... of which there are as many at most
 constexpr double kTiny = 1e-9;         // m: closer pieces have no direction between them
 
 /// Sum of weights times the nodes' columns.
@@ -38,6 +40,9 @@ int first_side(const Contact& c) {
 BodyContacts::BodyContacts(const Model* model)
     : model_(model), rest_(model->initial.x), pieces_(model), guard_(model, &pieces_), foreseen_(model->initial.x) {
   for (const Body& b : model->bodies) {
+    double sum = 0.0;
+    for (const StrainEdge& e : b.strain_edges) sum += e.rest_length;
+    size_.push_back(sum / std::max<double>(1.0, static_cast<double>(b.strain_edges.size())));
     const Nodes* rest = b.line ? &b.line->rest : b.surface ? &b.surface->rest : nullptr;
     if (rest != nullptr && rest->cols() == b.node_count) rest_.middleCols(b.first_node, b.node_count) = *rest;
   }
@@ -51,21 +56,29 @@ void BodyContacts::foresee(const State& s, double dt, const std::vector<int>& he
 }
 
 void BodyContacts::add_touch(const Meeting& m, const Nodes& x) {
-  const Vec3 a = x.col(m.node[0]), b = x.col(m.node[1]), c = x.col(m.node[2]), d = x.col(m.node[3]);
-  const ClosestPoints found = m.first == 1 ? closest_point_triangle(a, b, c, d) : closest_segment_segment(a, b, c, d);
+  const ClosestPoints found = closest_points(m, x);
   const double distance = found.apart.norm();
-  if (distance < kTiny) return;
-  Touch touch{{{-1, -1, -1, -1}}, {}, 0, found.apart, m.body_a, m.body_b};
-  double ahead = 0.0;
+  if (distance < kTiny || !stands_for_place(m, found)) return;
+  const double asked = pieces_.radius_of(m.a->body) + pieces_.radius_of(m.b->body);
+  if (std::min(distance, ahead(m, found, distance)) > asked + 2.0 * margin_) return;
+  Touch touch{{{-1, -1, -1, -1}}, {}, 0, found.apart / distance, distance, m.a->body, m.b->body};
   for (size_t k = 0; k < 4; ++k) {
     if (found.weight[k] == 0.0) continue;
     const auto to = static_cast<size_t>(touch.count++);
     touch.node[to] = m.node[k];
     touch.weight[to] = static_cast<int>(k) < m.first ? found.weight[k] : -found.weight[k];
-    ahead += touch.weight[to] * found.apart.dot(foreseen_.col(m.node[k])) / distance;
   }
-  const double asked = pieces_.radius_of(m.body_a) + pieces_.radius_of(m.body_b);
-  if (std::min(distance, ahead) <= asked + 2.0 * margin_) touches_.push_back(touch);
+  touches_.push_back(touch);
+}
+
+/// Foreseen distance along the shortest connection of now, m.
+double BodyContacts::ahead(const Meeting& m, const ClosestPoints& now, double distance) const {
+  Vec3 apart = Vec3::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const auto i = static_cast<size_t>(k);
+    apart += (k < m.first ? now.weight[i] : -now.weight[i]) * foreseen_.col(m.node[i]);
+  }
+  return now.apart.dot(apart) / distance;
 }
 
 /// One order for both ways round: nodes of a side ascending, the side of the smallest node first.
@@ -85,7 +98,7 @@ void BodyContacts::sort_sides(Touch* t) {
   std::rotate(t->node.begin(), t->node.begin() + static_cast<std::ptrdiff_t>(split), t->node.begin() + t->count);
   std::rotate(t->weight.begin(), t->weight.begin() + static_cast<std::ptrdiff_t>(split), t->weight.begin() + t->count);
   for (size_t k = 0; k < count; ++k) t->weight[k] = -t->weight[k];
-  t->apart = -t->apart;
+  t->normal = -t->normal;
   std::swap(t->body_a, t->body_b);
 }
 
@@ -105,7 +118,18 @@ void BodyContacts::find(const State& s, double dt, const std::vector<int>& held,
   const auto same = [](const Ordered& a, const Ordered& b) { return a.place == b.place; };
   order_.erase(std::unique(order_.begin(), order_.end(), same), order_.end());
   memory_.rewind();
-  for (const Ordered& o : order_) add_constraint(touches_[static_cast<size_t>(o.touch)], o.place, dt, contacts);
+  double rates = 0.0;
+  for (const Ordered& o : order_) {
+    const Touch& t = touches_[static_cast<size_t>(o.touch)];
+    add_constraint(t, o.place, dt, contacts);
+    const double size = std::min(size_[static_cast<size_t>(t.body_a)], size_[static_cast<size_t>(t.body_b)]);
+    rates += mean(t.node, t.weight, static_cast<size_t>(t.count), s.v).squaredNorm() / (size * size);
+  }
+  rate_ = order_.empty() ? 0.0 : std::sqrt(rates / static_cast<double>(order_.size()));
+}
+
+int BodyContacts::parts_for(double dt) const {
+  return static_cast<int>(std::clamp(std::ceil(dt * rate_ / kMostTravel), 1.0, kMostParts));
 }
 
 double BodyContacts::rest_distance(const Touch& t) const {
@@ -116,14 +140,13 @@ void BodyContacts::add_constraint(const Touch& t, const ContactPlace& place, dou
   const Body &a = model_->bodies[static_cast<size_t>(t.body_a)], &b = model_->bodies[static_cast<size_t>(t.body_b)];
   double asked = a.contact_radius + b.contact_radius;
   if (t.body_a == t.body_b) asked = std::min(asked, kRestShare * rest_distance(t));
-  const double distance = t.apart.norm();
   ContactConstraint c;
   c.node = t.node;
   c.weight = t.weight;
   c.count = t.count;
-  c.normal = t.apart / distance;
+  c.normal = t.normal;
   // A load may have pressed them together; what began far too near comes apart without a bang.
-  c.offset = distance > kPressedShare * asked ? asked : std::min(asked, distance + kExitSpeed * dt);
+  c.offset = t.distance > kPressedShare * asked ? asked : std::min(asked, t.distance + kExitSpeed * dt);
   c.friction = std::sqrt(a.friction * b.friction);
   const Vec3 stuck = memory_.recall(place);
   c.stuck = stuck - c.normal.dot(stuck) * c.normal;

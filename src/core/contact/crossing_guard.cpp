@@ -15,26 +15,6 @@ constexpr int kHalvings = 40;   // to place a plane
 constexpr int kRounds = 4;      // of sweeps, each over the pairs that the moves of the last one brought near as well
 constexpr double kTiny = 1e-9;  // m: closer pieces have no direction between them
 
-/// How far the first `first` nodes lie beyond the others along the normal, m.
-double gap_along(const Vec3& normal, const std::array<int, 4>& node, int first, const Nodes& x) {
-  constexpr double kFar = 1e300;
-  double low = kFar, high = -kFar;
-  for (int k = 0; k < 4; ++k) {
-    const double at = normal.dot(x.col(node[static_cast<size_t>(k)]));
-    if (k < first) {
-      low = std::min(low, at);
-    } else {
-      high = std::max(high, at);
-    }
-  }
-  return low - high;
-}
-
-ClosestPoints closest(const std::array<int, 4>& node, int first, const Nodes& x) {
-  const Vec3 a = x.col(node[0]), b = x.col(node[1]), c = x.col(node[2]), d = x.col(node[3]);
-  return first == 1 ? closest_point_triangle(a, b, c, d) : closest_segment_segment(a, b, c, d);
-}
-
 /// Whether the segment p q and the triangle a b c have a point in common that is inside both.
 bool cross(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a);
@@ -46,7 +26,7 @@ bool cross(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec
 }
 
 /// Whether an edge of p's own crosses the triangle t.
-bool edge_crosses(const SurfacePieces::Piece& p, const SurfacePieces::Piece& t, const Nodes& x) {
+bool edge_crosses(const Piece& p, const Piece& t, const Nodes& x) {
   if (t.count != 3) return false;
   for (size_t k = 0; k < 3; ++k) {
     if ((p.own_edges >> k & 1u) == 0u) continue;
@@ -84,19 +64,19 @@ double CrossingGuard::keep_apart(const Nodes& before, const Eigen::VectorXd& inv
 double CrossingGuard::find_failing(const Nodes& before, const Nodes& x, const Eigen::VectorXd& inverse_mass) {
   double worst = 0.0;
   pieces_->for_each_meeting({before, x, {0.0, 0.0}, {kLeastShare, 0.0}}, [&](const Meeting& m) {
-    const ClosestPoints start = closest(m.node, m.first, before);
+    const ClosestPoints start = closest_points(m, before);
     const double distance = start.apart.norm();
     if (distance < kTiny) return;
-    const double asked = pieces_->radius_of(m.body_a) + pieces_->radius_of(m.body_b);
-    const Pair pair{m.node, m.first, start.apart / distance, std::min(kLeastShare * asked, kLeastShareNow * distance)};
-    const double gap = gap_along(pair.normal, m.node, m.first, x);
+    const double asked = pieces_->radius_of(m.a->body) + pieces_->radius_of(m.b->body);
+    const Pair pair{m, start.apart / distance, std::min(kLeastShare * asked, kLeastShareNow * distance)};
+    const double gap = gap_along(pair.normal, m, x);
     if (gap >= kEnough * pair.least) return;
     bool free = false;
     for (size_t k = 0; k < 4; ++k) free = free || inverse_mass[m.node[k]] > 0.0;
     if (!free) return;
-    const ClosestPoints end = closest(m.node, m.first, x);
+    const ClosestPoints end = closest_points(m, x);
     const double distance_then = end.apart.norm();
-    if (distance_then >= pair.least && gap_along(end.apart / distance_then, m.node, m.first, before) > kTiny) {
+    if (distance_then >= pair.least && gap_along(end.apart / distance_then, m, before) > kTiny) {
       return;
     }
     worst = std::max(worst, pair.least - gap);
@@ -113,9 +93,9 @@ double CrossingGuard::separate(const Pair& pair, const Eigen::VectorXd& inverse_
   double low = kFar, high = -kFar;            // of the first, of the second part
   double held_low = kFar, held_high = -kFar;  // the same of held nodes
   for (size_t k = 0; k < 4; ++k) {
-    at[k] = pair.normal.dot(x->col(pair.node[k]));
-    const bool held = inverse_mass[pair.node[k]] == 0.0;
-    if (static_cast<int>(k) < pair.first) {
+    at[k] = pair.normal.dot(x->col(pair.parts.node[k]));
+    const bool held = inverse_mass[pair.parts.node[k]] == 0.0;
+    if (static_cast<int>(k) < pair.parts.first) {
       low = std::min(low, at[k]);
       if (held) held_low = std::min(held_low, at[k]);
     } else {
@@ -127,31 +107,31 @@ double CrossingGuard::separate(const Pair& pair, const Eigen::VectorXd& inverse_
   if (wanting <= (1.0 - kEnough) * pair.least || held_low - held_high < pair.least) return 0.0;
   const double half = 0.5 * pair.least;
   const auto move = [&](size_t k, double plane) {
-    return static_cast<int>(k) < pair.first ? std::max(0.0, plane + half - at[k]) : std::min(0.0, plane - half - at[k]);
+    return static_cast<int>(k) < pair.parts.first ? std::max(0.0, plane + half - at[k])
+                                                  : std::min(0.0, plane - half - at[k]);
   };
   double from = std::max(low - half, held_high + half), to = std::min(high + half, held_low - half);
   for (int k = 0; k < kHalvings && from < to; ++k) {
     const double middle = 0.5 * (from + to);
     double momentum = 0.0;
     for (size_t i = 0; i < 4; ++i) {
-      if (inverse_mass[pair.node[i]] > 0.0) momentum += move(i, middle) / inverse_mass[pair.node[i]];
+      if (inverse_mass[pair.parts.node[i]] > 0.0) momentum += move(i, middle) / inverse_mass[pair.parts.node[i]];
     }
     (momentum < 0.0 ? from : to) = middle;
   }
   const double plane = 0.5 * (from + to);
   for (size_t k = 0; k < 4; ++k) {
     const double way = move(k, plane);
-    if (way == 0.0 || inverse_mass[pair.node[k]] == 0.0) continue;
-    x->col(pair.node[k]) += way * pair.normal;
-    moved_[static_cast<size_t>(pair.node[k])] = 1;
+    if (way == 0.0 || inverse_mass[pair.parts.node[k]] == 0.0) continue;
+    x->col(pair.parts.node[k]) += way * pair.normal;
+    moved_[static_cast<size_t>(pair.parts.node[k])] = 1;
   }
   return wanting;
 }
 
 std::string CrossingGuard::find_crossing(const Nodes& x) {
   std::string found;
-  pieces_->for_each_pair({x, x, {0.0, 0.0}, {0.0, 0.0}}, [&](const SurfacePieces::Piece& one,
-                                                             const SurfacePieces::Piece& other, const Gaps&) {
+  pieces_->for_each_pair({x, x, {0.0, 0.0}, {0.0, 0.0}}, [&](const Piece& one, const Piece& other) {
     if (!found.empty() || (!edge_crosses(one, other, x) && !edge_crosses(other, one, x))) return;
     const Vec3 at = x.col(one.node[0]);
     const auto [first, second] = std::minmax(one.body, other.body);

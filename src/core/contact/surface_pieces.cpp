@@ -13,6 +13,15 @@ SurfacePieces::SurfacePieces(const Model* model)
   for (size_t b = 0; b < model->bodies.size(); ++b) {
     if (model->bodies[b].touches != BodyContact::kNone) add_pieces(static_cast<int>(b));
   }
+  for (const Piece& p : pieces_) {
+    first_edge_.push_back(edges_.size());
+    for (size_t k = 0; k < 3; ++k) {
+      if ((p.own_edges >> k & 1u) == 0u) continue;
+      edges_.push_back({{p.node[k], p.node[(k + 1) % static_cast<size_t>(p.count)]}});
+    }
+  }
+  first_edge_.push_back(edges_.size());
+  edge_slabs_.resize(edges_.size());
   std::vector<Vec3> centers;
   for (const Piece& p : pieces_) {
     Vec3 sum = Vec3::Zero();
@@ -77,6 +86,7 @@ void SurfacePieces::place(const Step& step) {
   const auto reach = [&](const Reach& near) { return near.share * widest + near.wide; };
   const double extent = std::sqrt(furthest) + std::max(reach(step.near_start), reach(step.near_end));
   scale_ = (kMostLane - 8) / std::max(1e-6, extent);
+  gaps_ = {lanes_of(step.near_start.wide), lanes_of(step.near_end.wide)};
   for (size_t b = 0; b < model_->bodies.size(); ++b) {
     // Without the step for rounding: lanes_of() of the width has it.
     radius_start_[b] = lanes_of(step.near_start.share * radius_of(static_cast<int>(b))) - all_lanes(1);
@@ -93,12 +103,16 @@ void SurfacePieces::place(const Step& step) {
       place_[i].end[d] = static_cast<std::int16_t>(std::floor(to[d]));
     }
   }
-  for (int i = 0; i < piece_count(); ++i) {
-    const Piece& p = pieces_[static_cast<size_t>(i)];
-    const auto body = static_cast<size_t>(p.body);
-    Slabs& slabs = tree_.slabs_of(i);
+  for (size_t i = 0; i < pieces_.size(); ++i) {
+    const Piece& p = pieces_[i];
+    const Lanes &start = radius_start_[static_cast<size_t>(p.body)], &end = radius_end_[static_cast<size_t>(p.body)];
+    Slabs& slabs = tree_.slabs_of(static_cast<int>(i));
     slabs = slabs_of(p.node.data(), p.count);
-    slabs.inflate(radius_start_[body], radius_end_[body]);
+    slabs.inflate(start, end);
+    for (size_t k = first_edge_[i]; k < first_edge_[i + 1]; ++k) {
+      edge_slabs_[k] = slabs_of(edges_[k].data(), 2);
+      edge_slabs_[k].inflate(start, end);
+    }
   }
   tree_.refit();
 }

@@ -48,6 +48,10 @@ class BodyContacts {
   /// number, m). Order: by nodes, so that the same state gives the same list.
   void find(const State& s, double dt, const std::vector<int>& held, const Nodes& targets,
             ContactConstraints* contacts);
+  /// In how many parts a step of dt (s) is best made: contacts have one direction for the whole of a part, so what
+  /// touches should not move by more than a quarter of an edge on what it touches, root mean square. From the last
+  /// find().
+  int parts_for(double dt) const;
   /// By how much more than a fifth of their distance the worst of `contacts` still gave way in the step, m: what the
   /// time scheme left undone.
   static double violation(const Nodes& before, const Nodes& x, const ContactConstraints& contacts);
@@ -71,7 +75,8 @@ class BodyContacts {
     std::array<int, 4> node;
     std::array<double, 4> weight;
     int count;
-    Vec3 apart;
+    Vec3 normal;      // towards the first side
+    double distance;  // m, at the start of the step
     int body_a, body_b;
   };
 
@@ -83,6 +88,7 @@ class BodyContacts {
 
   void foresee(const State& s, double dt, const std::vector<int>& held, const Nodes& targets);
   void add_touch(const Meeting& meeting, const Nodes& x);
+  double ahead(const Meeting& meeting, const ClosestPoints& now, double distance) const;
   static void sort_sides(Touch* touch);
   void add_constraint(const Touch& touch, const ContactPlace& place, double dt, ContactConstraints* contacts);
   double rest_distance(const Touch& touch) const;
@@ -91,8 +97,10 @@ class BodyContacts {
   Nodes rest_;
   SurfacePieces pieces_;
   CrossingGuard guard_;
-  Nodes foreseen_;       // m, at the end of the step
-  double margin_ = 0.0;  // m, of what may touch
+  std::vector<double> size_;  // m, by body: mean edge
+  double rate_ = 0.0;         // 1/s, edges that what touches moves, root mean square
+  Nodes foreseen_;            // m, at the end of the step
+  double margin_ = 0.0;       // m, of what may touch
   std::vector<Touch> touches_;
   std::vector<Ordered> order_;
   StickMemoryBy<ContactPlace> memory_;  // in world axes

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "deformable_sim/core/contact/closest_points.h"
 #include "deformable_sim/core/contact/surface_pieces.h"
 
 namespace deformable_sim {
@@ -30,8 +29,7 @@ class CrossingGuard {
 
  private:
   struct Pair {
-    std::array<int, 4> node;
-    int first;  // how many are of the first part
+    Meeting parts;
     Vec3 normal;
     double least;  // m that they have to be apart along it at the end
   };

@@ -5,29 +5,16 @@
 #include <cmath>
 #include <vector>
 
+#include "deformable_sim/core/contact/meeting.h"
 #include "deformable_sim/core/contact/piece_tree.h"
 #include "deformable_sim/core/model.h"
 
 namespace deformable_sim {
 
-/// A vertex and a triangle (1 + 3 nodes), or two edges (2 + 2).
-struct Meeting {
-  std::array<int, 4> node;  // world node indices
-  int first;                // how many are of the first part
-  int body_a, body_b;
-};
-
 /// The surfaces of all bodies whose Body::touches asks for it: triangles of sheets and of skins of soft bodies,
 /// segments of ropes. Every vertex and edge belongs to one piece, so that each pair is met once.
 class SurfacePieces {
  public:
-  /// A triangle or a segment, with the corners and edges that it answers for: each is one piece's only.
-  struct Piece {
-    std::array<int, 3> node{{-1, -1, -1}};
-    int count = 3;
-    int body = 0;
-    unsigned own_nodes = 0, own_edges = 0;  // bit k: node k, edge k to k + 1
-  };
   explicit SurfacePieces(const Model* model);
 
   int piece_count() const { return tree_.piece_count(); }
@@ -43,28 +30,25 @@ class SurfacePieces {
     const Nodes &start, &end;
     Reach near_start, near_end;
   };
-  /// visit(p, q, gaps) for each two pieces, but those that along one direction are out of reach both at the start and
-  /// at the end of the step, on the same side. Always in the same order for the same state. `gaps`: those of these two.
+  /// visit(p, q) for each two pieces, but those that along one direction are out of reach both at the start and at the
+  /// end of the step, on the same side. Always in the same order for the same state.
   template <class Visit>
   void for_each_pair(const Step& step, const Visit& visit) {
     if (pieces_.empty()) return;
     place(step);
-    const Gaps gaps{lanes_of(step.near_start.wide), lanes_of(step.near_end.wide)};
-    tree_.for_each_pair(gaps, [&](int i, int j) {
+    tree_.for_each_pair(gaps_, [&](int i, int j) {
       const Piece &p = pieces_[static_cast<size_t>(i)], &q = pieces_[static_cast<size_t>(j)];
       if (p.body == q.body && model_->bodies[static_cast<size_t>(p.body)].touches != BodyContact::kAll) return;
-      visit(p, q,
-            Gaps{gaps.start + radius_start_[static_cast<size_t>(p.body)] + radius_start_[static_cast<size_t>(q.body)],
-                 gaps.end + radius_end_[static_cast<size_t>(p.body)] + radius_end_[static_cast<size_t>(q.body)]});
+      visit(p, q);
     });
   }
   /// visit(Meeting) for each vertex and triangle, and each two edges, without common nodes, that are not so far apart.
   template <class Visit>
   void for_each_meeting(const Step& step, const Visit& visit) {
-    for_each_pair(step, [&](const Piece& p, const Piece& q, const Gaps& gaps) {
-      if (q.count == 3) visit_nodes(p, q, gaps, visit);
-      if (p.count == 3) visit_nodes(q, p, gaps, visit);
-      visit_edges(p, q, gaps, visit);
+    for_each_pair(step, [&](const Piece& p, const Piece& q) {
+      if (q.count == 3 && p.own_nodes != 0u) visit_nodes(p, q, visit);
+      if (p.count == 3 && q.own_nodes != 0u) visit_nodes(q, p, visit);
+      visit_edges(p, q, visit);
     });
   }
 
@@ -90,30 +74,27 @@ class SurfacePieces {
   }
 
   template <class Visit>
-  void visit_nodes(const Piece& p, const Piece& t, const Gaps& gaps, const Visit& visit) const {
-    if (p.own_nodes == 0u) return;
-    const Slabs triangle = slabs_of(t.node.data(), 3);
+  void visit_nodes(const Piece& p, const Piece& t, const Visit& visit) const {
+    const auto body = static_cast<size_t>(p.body);
+    const Gaps gaps{gaps_.start + radius_start_[body], gaps_.end + radius_end_[body]};
+    const Slabs& triangle = tree_.slabs_of(static_cast<int>(&t - pieces_.data()));
     for (size_t k = 0; k < static_cast<size_t>(p.count); ++k) {
       const int node = p.node[k];
       if ((p.own_nodes >> k & 1u) == 0u || node == t.node[0] || node == t.node[1] || node == t.node[2]) continue;
       if (apart(slabs_of(&node, 1), triangle, gaps)) continue;
-      visit(Meeting{{{node, t.node[0], t.node[1], t.node[2]}}, 1, p.body, t.body});
+      visit(Meeting{{{node, t.node[0], t.node[1], t.node[2]}}, 1, &p, &t});
     }
   }
 
   template <class Visit>
-  void visit_edges(const Piece& p, const Piece& q, const Gaps& gaps, const Visit& visit) const {
-    if (p.own_edges == 0u || q.own_edges == 0u) return;
-    for (size_t k = 0; k < 3; ++k) {
-      if ((p.own_edges >> k & 1u) == 0u) continue;
-      const std::array<int, 2> one{{p.node[k], p.node[(k + 1) % static_cast<size_t>(p.count)]}};
-      const Slabs extent = slabs_of(one.data(), 2);
-      for (size_t l = 0; l < 3; ++l) {
-        if ((q.own_edges >> l & 1u) == 0u) continue;
-        const std::array<int, 2> other{{q.node[l], q.node[(l + 1) % static_cast<size_t>(q.count)]}};
-        if (one[0] == other[0] || one[0] == other[1] || one[1] == other[0] || one[1] == other[1]) continue;
-        if (apart(extent, slabs_of(other.data(), 2), gaps)) continue;
-        visit(Meeting{{{one[0], one[1], other[0], other[1]}}, 2, p.body, q.body});
+  void visit_edges(const Piece& p, const Piece& q, const Visit& visit) const {
+    const auto i = static_cast<size_t>(&p - pieces_.data()), j = static_cast<size_t>(&q - pieces_.data());
+    for (size_t k = first_edge_[i]; k < first_edge_[i + 1]; ++k) {
+      for (size_t l = first_edge_[j]; l < first_edge_[j + 1]; ++l) {
+        if (apart(edge_slabs_[k], edge_slabs_[l], gaps_)) continue;
+        const std::array<int, 2>&a = edges_[k], &b = edges_[l];
+        if (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]) continue;
+        visit(Meeting{{{a[0], a[1], b[0], b[1]}}, 2, &p, &q});
       }
     }
   }
@@ -123,7 +104,11 @@ class SurfacePieces {
   std::vector<char> on_surface_;                  // by node
   std::vector<Place> place_;                      // by node
   std::vector<Lanes> radius_start_, radius_end_;  // by body: its share
+  Gaps gaps_;                                     // without radii
   double scale_ = 1.0;                            // 1/m
+  std::vector<size_t> first_edge_;                // by piece, and the end: of its own in ...
+  std::vector<std::array<int, 2>> edges_;         // ... the nodes of all edges
+  std::vector<Slabs> edge_slabs_;                 // with radii
   PieceTree tree_;
 };
 
