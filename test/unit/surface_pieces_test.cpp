@@ -156,5 +156,94 @@ TEST(SurfacePieces, LeaveOutNobodyWhoComesWithinReachAtAnyTimeOfTheStep) {
   }
 }
 
+TEST(SurfacePieces, RememberWhatIsNearWithoutMissingAnybody) {
+  // A sheet of 6 x 6 cells of 0.1 m, rolled up and shaken for 60 steps, slowly and fast: what is left out because of
+  // what earlier steps have found never comes within reach at any time of its step.
+  Random random;
+  const auto mesh = std::make_shared<const TriangleMesh>(make_grid(0.6, 0.6, 6, 6));
+  auto model = test::points_model(mesh->rest, 0.01, Vec3::Zero());
+  Body& body = model->bodies[0];
+  body.surface = mesh;
+  body.contact_radius = 0.01;
+  body.touches = BodyContact::kAll;
+  SurfacePieces kept(model.get());
+  Nodes x = mesh->rest;
+  int tested = 0, all = 0, close = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double turns = 0.1 * k;  // of the roll, per m
+    Nodes end(3, x.cols());
+    for (int i = 0; i < x.cols(); ++i) {
+      const double s = mesh->rest(0, i), angle = 2.0 * turns * s, radius = turns > 0.0 ? 0.5 / turns : 0.0;
+      end.col(i) = turns > 0.0
+                       ? Vec3(radius * std::sin(angle), mesh->rest(1, i) + 0.1 * s, radius * (1.0 - std::cos(angle)))
+                       : Vec3(mesh->rest.col(i));
+      if (k % 7 == 3) end.col(i) += 0.03 * random.vector();
+    }
+    if (k % 3 == 1) end = x + 0.0005 * Nodes::Random(3, x.cols());
+    const SurfacePieces::Reach near{1.0, 0.002};
+    std::set<std::pair<int, std::array<int, 4>>> found;
+    kept.for_each_meeting({x, end, near, near}, [&](const Meeting& m) { found.insert({m.first, m.node}); });
+    SurfacePieces fresh(model.get());
+    fresh.for_each_meeting({x, end, {1.0, 1e3}, {1.0, 1e3}}, [&](const Meeting& m) {
+      ++all;
+      if (found.count({m.first, m.node}) == 1) {
+        ++tested;
+        return;
+      }
+      for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+        const double distance = closest_points(m, x + t * (end - x)).apart.norm();
+        if (distance < 0.022) ++close;
+      }
+    });
+    // The next, shorter question, as after a step: the same step, less far.
+    found.clear();
+    kept.for_each_meeting({x, end, {0.0, 0.0}, {0.1, 0.0}}, [&](const Meeting& m) { found.insert({m.first, m.node}); });
+    fresh.for_each_meeting({x, end, {1.0, 1e3}, {1.0, 1e3}}, [&](const Meeting& m) {
+      if (found.count({m.first, m.node}) == 0 && closest_points(m, end).apart.norm() < 0.002) ++close;
+    });
+    x = end;
+  }
+  EXPECT_EQ(close, 0);
+  EXPECT_GT(tested, 1000);
+  EXPECT_LT(tested, all / 10);
+}
+
+TEST(SurfacePieces, SeeWhoComesSlowlyNear) {
+  // A sheet folded over itself closes by 0.4 mm a step, or is foreseen to by ever more, or to open: what was near for
+  // many steps no longer is all that is.
+  const auto mesh = std::make_shared<const TriangleMesh>(make_grid(0.6, 0.6, 6, 6));
+  auto model = test::points_model(mesh->rest, 0.01, Vec3::Zero());
+  Body& body = model->bodies[0];
+  body.surface = mesh;
+  body.contact_radius = 0.01;
+  body.touches = BodyContact::kAll;
+  const auto folded = [&](double height) {
+    Nodes x = mesh->rest;
+    for (int i = 0; i < x.cols(); ++i) {
+      if (x(0, i) > 0.01) x.col(i) = Vec3(-x(0, i) + 0.013, x(1, i) + 0.017, height);
+    }
+    return x;
+  };
+  for (const auto& [closes, foreseen] : {std::pair(true, true), std::pair(false, true), std::pair(true, false)}) {
+    SurfacePieces kept(model.get());
+    size_t last = 0;
+    for (int k = 0; k < 100; ++k) {
+      const double height = 0.05 - 0.0004 * k;
+      const Nodes x = folded(closes ? height : 0.05), end = folded(foreseen ? height : 0.05);
+      const auto count = [&](SurfacePieces* pieces) {
+        size_t found = 0;
+        pieces->for_each_meeting({x, end, {1.0, 0.002}, {1.0, 0.002}}, [&](const Meeting& m) {
+          found += std::min(closest_points(m, x).apart.norm(), closest_points(m, end).apart.norm()) < 0.022 ? 1 : 0;
+        });
+        return found;
+      };
+      SurfacePieces fresh(model.get());
+      last = count(&kept);
+      ASSERT_EQ(last, count(&fresh)) << k << " " << closes << foreseen;
+    }
+    EXPECT_GT(last, 100u);
+  }
+}
+
 }  // namespace
 }  // namespace deformable_sim

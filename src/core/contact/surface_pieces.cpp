@@ -2,17 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace deformable_sim {
+namespace {
+
+constexpr double kMoreReach = 1.0;    // of the least radius, when what is near is to be known for a while: ...
+constexpr double kStepsAtRest = 4.0;  // ... for so many steps at least
+
+}  // namespace
+
 SurfacePieces::SurfacePieces(const Model* model)
     : model_(model),
       on_surface_(static_cast<size_t>(model->node_count()), 0),
       place_(static_cast<size_t>(model->node_count())),
       radius_start_(model->bodies.size()),
-      radius_end_(model->bodies.size()) {
+      radius_end_(model->bodies.size()),
+      asked_(model->bodies.size()) {
   for (size_t b = 0; b < model->bodies.size(); ++b) {
     if (model->bodies[b].touches != BodyContact::kNone) add_pieces(static_cast<int>(b));
   }
+  fans_ = FanClearance(model->node_count(), pieces_);
   for (const Piece& p : pieces_) {
     first_edge_.push_back(edges_.size());
     for (size_t k = 0; k < 3; ++k) {
@@ -22,6 +32,8 @@ SurfacePieces::SurfacePieces(const Model* model)
   }
   first_edge_.push_back(edges_.size());
   edge_slabs_.resize(edges_.size());
+  least_radius_ = std::numeric_limits<double>::max();
+  for (const Piece& p : pieces_) least_radius_ = std::min(least_radius_, radius_of(p.body));
   std::vector<Vec3> centers;
   for (const Piece& p : pieces_) {
     Vec3 sum = Vec3::Zero();
@@ -84,7 +96,8 @@ void SurfacePieces::place(const Step& step) {
     if (model_->bodies[b].touches != BodyContact::kNone) widest = std::max(widest, radius_of(static_cast<int>(b)));
   }
   const auto reach = [&](const Reach& near) { return near.share * widest + near.wide; };
-  const double extent = std::sqrt(furthest) + std::max(reach(step.near_start), reach(step.near_end));
+  const double extent =
+      std::sqrt(furthest) + std::max(reach(step.near_start), reach(step.near_end)) + kMoreReach * widest;
   scale_ = (kMostLane - 8) / std::max(1e-6, extent);
   gaps_ = {lanes_of(step.near_start.wide), lanes_of(step.near_end.wide)};
   for (size_t b = 0; b < model_->bodies.size(); ++b) {
@@ -114,7 +127,46 @@ void SurfacePieces::place(const Step& step) {
       edge_slabs_[k].inflate(start, end);
     }
   }
-  tree_.refit();
+}
+
+void SurfacePieces::forget() {
+  last_start_.resize(3, 0);
+  fans_.forget();
+}
+
+bool SurfacePieces::is_covered(const Step& step) const {
+  if (last_start_.cols() != step.start.cols()) return false;
+  const auto room = [this](const Reach& last, const Reach& now) {
+    if (last.share < now.share) return -1.0;
+    return 2.0 * (last.share - now.share) * least_radius_ + last.wide - now.wide;
+  };
+  const double at_start = room(last_near_start_, step.near_start), at_end = room(last_near_end_, step.near_end);
+  if (at_start < 0.0 || at_end < 0.0) return false;
+  for (Eigen::Index i = 0; i < step.end.cols(); ++i) {
+    if (!is_on_surface(static_cast<int>(i))) continue;
+    if (2.0 * (step.start.col(i) - last_start_.col(i)).norm() > at_start) return false;
+    if (2.0 * (step.end.col(i) - last_end_.col(i)).norm() > at_end) return false;
+  }
+  return true;
+}
+
+double SurfacePieces::remember(const Step& step) {
+  near_.clear();
+  last_start_ = step.start;
+  last_end_ = step.end;
+  last_near_start_ = step.near_start;
+  last_near_end_ = step.near_end;
+  double fastest = 0.0;
+  for (Eigen::Index i = 0; i < step.end.cols(); ++i) {
+    if (is_on_surface(static_cast<int>(i))) {
+      fastest = std::max(fastest, (step.end.col(i) - step.start.col(i)).squaredNorm());
+    }
+  }
+  const double more = kMoreReach * least_radius_;
+  if (kStepsAtRest * std::sqrt(fastest) > 0.5 * more) return 0.0;
+  last_near_start_.wide += more;
+  last_near_end_.wide += more;
+  return more;
 }
 
 }  // namespace deformable_sim

@@ -58,7 +58,10 @@ class BodyContacts {
   /// A new step begins; the step begins anew; bodies were put elsewhere: what is known of where contacts stick.
   void begin_step() { memory_.begin_step(); }
   void restart_step() { memory_.restart(); }
-  void forget() { memory_.forget(); }
+  void forget() {
+    memory_.forget();
+    pieces_.forget();
+  }
   /// A part of the step is accepted: remembers ContactConstraint::stuck of contacts between bodies.
   void keep_stuck(const ContactConstraints& contacts);
   /// After the step: CrossingGuard::keep_apart().
