@@ -172,7 +172,10 @@ std::vector<TaggedTable> collider_tables() {
       {"cone", start("cone", "A cone along z of its pose, tip up, its middle height on it.")},
       {"mesh", start("mesh",
                      "A solid bounded by triangles, convex or not. The mesh has to be closed; parts that are "
-                     "not joined are solids of their own. See doc/theory/contact.md.")}};
+                     "not joined are solids of their own. See doc/theory/contact.md.")},
+      {"octomap", start("octomap",
+                        "The occupied voxels of an OctoMap tree, in its own coordinates; free and unknown space is "
+                        "empty. At most 500 000 voxels.")}};
   tables[0].table.vector("size", "[x, y, z]", "m", &P::size, size, "Full edge lengths.").required();
   for (size_t k : {1, 2, 3, 5}) tables[k].table.number("radius", "m", &P::radius, size, "Radius.").required();
   tables[2].table.number("length", "m", &P::length, size, "Length.").required();
@@ -182,6 +185,9 @@ std::vector<TaggedTable> collider_tables() {
       .table.text("file", &P::file, "OBJ, STL, PLY or DAE; relative to the scene, or package://deformable_sim/...")
       .required();
   tables[6].table.number("scale", "m", &P::scale, between(1e-6, 1000), "Metres per unit of the file.");
+  tables[7]
+      .table.text("file", &P::file, ".bt or .ot; relative to the scene, or package://deformable_sim/...")
+      .required();
   return tables;
 }
 
@@ -291,7 +297,7 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
         lists.bodies)
       .required();
   t.add({"colliders", "list", "", "[]", "",
-         "Each a map with one key: box, sphere, cylinder, capsule, plane, cone or mesh."},
+         "Each a map with one key: box, sphere, cylinder, capsule, plane, cone, mesh or octomap."},
         lists.colliders);
   t.add({"grasps", "list", "", "[]", "", "Each a map. See grasps[]."}, lists.grasps);
   t.add({"robot", "map", "", "no robot", "", "See robot. `robot: {}` takes all links."},

@@ -24,6 +24,8 @@ std::string shape_name(Shape::Type type) {
       return "cone";
     case Shape::Type::kMesh:
       return "mesh";
+    case Shape::Type::kVoxels:
+      return "octomap";
     case Shape::Type::kPlane:
       break;
   }
@@ -44,6 +46,7 @@ int size_count(Shape::Type type) {
       return 2;
     case Shape::Type::kMesh:
       return 1;
+    case Shape::Type::kVoxels:
     case Shape::Type::kPlane:
       break;
   }
@@ -83,6 +86,7 @@ void check_collider(const Collider& collider) {
         throw InputError(who + "sizes of its " + shape_name(s.type) + " must be > 0 and at most 1e6 m");
     }
     if (s.type == Shape::Type::kMesh && !s.mesh) throw InputError(who + "its mesh has no triangles");
+    if (s.type == Shape::Type::kVoxels && !s.voxels) throw InputError(who + "its octomap has no occupied space");
   }
 }
 

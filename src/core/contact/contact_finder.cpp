@@ -49,7 +49,7 @@ void ContactFinder::set_colliders(const std::vector<Collider>& colliders) {
   std::int64_t key = 0;
   for (PlacedShape& shape : shapes_) {
     shape.first_key = key;
-    shape.keys_per_point = std::max(1, shape.query.concave_triangles());
+    shape.keys_per_point = std::max(1, shape.query.concave_pieces());
     key += shape.keys_per_point * point_count();
   }
 }

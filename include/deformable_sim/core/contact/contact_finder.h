@@ -80,7 +80,7 @@ class ContactFinder {
     int collider;
     double friction;
     std::int64_t first_key = 0;
-    std::int64_t keys_per_point = 1;         // triangles of a mesh that is not convex
+    std::int64_t keys_per_point = 1;         // pieces of a mesh that is not convex, of voxels
     bool attached;                           // to a frame
     Pose end_from_begin = Pose::Identity();  // the collider's motion in this step, in world axes
     bool moves = false;
