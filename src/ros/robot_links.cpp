@@ -80,6 +80,7 @@ std::vector<Collider> robot_links(const std::string& urdf_xml, const RobotSpec& 
   if (!model.initString(urdf_xml)) throw InputError("robot_description: not a URDF that can be read");
   check_links(model, spec.links);
   check_links(model, spec.exclude);
+  for (const auto& [link, bodies] : spec.lets_through) check_links(model, {link});
   std::vector<Collider> colliders;
   for (const auto& [name, link] : model.links_) {
     if ((!spec.links.empty() && !contains(spec.links, name)) || contains(spec.exclude, name)) continue;
@@ -87,6 +88,8 @@ std::vector<Collider> robot_links(const std::string& urdf_xml, const RobotSpec& 
     collider.name = kRobotPrefix + name;
     collider.frame = name;
     collider.friction = spec.friction;
+    const auto through = spec.lets_through.find(name);
+    if (through != spec.lets_through.end()) collider.lets_through = through->second;
     for (const auto& collision : link->collision_array) {
       if (!collision || !collision->geometry) continue;
       try {

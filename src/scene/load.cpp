@@ -158,6 +158,8 @@ class SceneReader {
       PrimitiveText text;
       tables[type].table.read(entry, entry_path, &text);
       check_unique(entry, entry_path, text.name, &collider_names_);
+      if (const YamlValue* bodies = entry.find("lets_through"))
+        check_bodies(*bodies, entry_path + ".lets_through", *scene);
       scene->colliders.push_back({location_of(items[k]), collider_of(entry, entry_path, text)});
     }
   }
@@ -195,6 +197,7 @@ class SceneReader {
     collider.world_from_collider = text.pose.pose();
     collider.friction = text.friction;
     collider.frame = text.frame;
+    collider.lets_through = text.lets_through;
     return collider;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "deformable_sim/core/contact/surface_query.h"
 #include "deformable_sim/core/error.h"
@@ -90,6 +91,10 @@ void check_collider(const Collider& collider) {
   }
 }
 
+bool lets_through(const Collider& collider, const std::string& body) {
+  return std::find(collider.lets_through.begin(), collider.lets_through.end(), body) != collider.lets_through.end();
+}
+
 void ColliderSet::add(const Collider& collider) {
   check_collider(collider);
   for (const Collider& c : colliders_)
@@ -115,6 +120,10 @@ void ColliderSet::remove(const std::string& name) {
   colliders_.erase(colliders_.begin() + i);
   motions_.erase(motions_.begin() + i);
   levers_.erase(levers_.begin() + i);
+}
+
+void ColliderSet::let_through(const std::string& name, std::vector<std::string> bodies) {
+  colliders_[find(name)].lets_through = std::move(bodies);
 }
 
 std::string ColliderSet::move(const std::string& name, const Pose& target, double duration, double dt) {

@@ -32,10 +32,14 @@ struct Collider {
   double friction = 0.5;
   std::string frame;  // tf frame it is attached to (moved there by the ROS layer); empty = fixed in the world
   Pose frame_from_collider = Pose::Identity();  // of an attached one; for reports
+  std::vector<std::string> lets_through;        // names of bodies that it does not touch
 };
 
 /// Throws InputError naming the collider: no name, no shape, a size <= 0 (a capsule's straight part may be 0), a mesh
 /// without triangles, voxels without cubes, a pose that is not finite or not rigid, friction negative or not finite.
 void check_collider(const Collider& collider);
+
+/// Whether the collider and the body of this name do not touch.
+bool lets_through(const Collider& collider, const std::string& body);
 
 }  // namespace deformable_sim
