@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include <resource_retriever/retriever.h>
 #include <ros/console.h>
 #include <urdf/model.h>
 
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/ros/build_progress.h"
+#include "deformable_sim/ros/resource.h"
 #include "deformable_sim/scene/collider_file.h"
 #include "deformable_sim/scene/mesh_file.h"
 
@@ -21,14 +21,7 @@ Pose to_pose(const urdf::Pose& origin) {
 }
 
 std::vector<Shape> to_shapes(const urdf::Mesh& mesh, double padding) {
-  resource_retriever::MemoryResource file;
-  try {
-    resource_retriever::Retriever retriever;
-    file = retriever.get(mesh.filename);
-  } catch (const resource_retriever::Exception& error) {
-    throw InputError(error.what(), Code::kNotFound);
-  }
-  const std::string bytes(reinterpret_cast<const char*>(file.data.get()), file.size);
+  const std::string bytes = read_resource(mesh.filename);
   const Vec3 scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
   const TriangleMesh faces = faces_from_bytes(bytes, mesh.filename, scale);
   try {
