@@ -249,7 +249,7 @@ TEST(BodyContact, RefusesWhatCrossesAtTheStartAndPathsThatAreNone) {
   - cloth: {name: a, touches: others, cells: [4, 4], pose: {position: [0.01, 0.02, 0]}}
   - cloth: {name: b, touches: others, cells: [4, 4], pose: {rpy: [1.2, 0.1, 0]}}
 )")
-                .find("'a' and 'b' cross near ("),
+                .find("s.yaml:3: bodies[1]: 'a' and 'b' cross near ("),
             0u);
   EXPECT_EQ(refusal("bodies:\n  - cloth: {name: a, touches: some}\n").find("s.yaml:2: bodies[0].cloth.touches"), 0u);
   EXPECT_EQ(refusal(rope + "path: [[0, 0, 0]]}\n").find("s.yaml:2: bodies[0].rope.path: needs two points"), 0u);
