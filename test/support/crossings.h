@@ -1,9 +1,10 @@
-// What crosses what, by looking at every edge and every triangle.
+// What crosses what, by looking at every edge and every triangle, or at every two segments.
 #pragma once
 
 #include <array>
 #include <vector>
 
+#include "deformable_sim/core/contact/closest_points.h"
 #include "deformable_sim/core/model.h"
 
 namespace deformable_sim::test {
@@ -35,6 +36,41 @@ inline int count_crossings(const Model& model, const Nodes& x) {
       if (volume(a, b, c, p) * volume(a, b, c, q) >= 0.0) continue;
       const double ab = volume(p, q, a, b), bc = volume(p, q, b, c), ca = volume(p, q, c, a);
       if ((ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0)) ++count;
+    }
+  }
+  return count;
+}
+
+/// Pairs of segments of ropes that passed through one another while x moved straight from `before` to `after`: their
+/// volume changes sign where they are at no distance.
+inline int count_passages(const Model& model, const Nodes& before, const Nodes& after) {
+  constexpr int kParts = 64;
+  std::vector<std::array<int, 2>> segments;
+  for (const Body& b : model.bodies) {
+    if (!b.line) continue;
+    for (int s = 0; s < b.line->segment_count(); ++s) {
+      segments.push_back({b.first_node + b.line->segment(s)[0], b.first_node + b.line->segment(s)[1]});
+    }
+  }
+  int count = 0;
+  for (size_t i = 0; i < segments.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const auto [a, b] = segments[i];
+      const auto [c, d] = segments[j];
+      if (a == c || a == d || b == c || b == d) continue;
+      double last = 0.0;
+      for (int k = 0; k <= kParts; ++k) {
+        const auto at = [&, t = static_cast<double>(k) / kParts](int node) -> Vec3 {
+          return (1.0 - t) * before.col(node) + t * after.col(node);
+        };
+        const double volume = (at(b) - at(a)).cross(at(d) - at(c)).dot(at(c) - at(a));
+        const double way = (after - before).colwise().norm().maxCoeff() / kParts;
+        if (k > 0 && volume * last < 0.0 &&
+            closest_segment_segment(at(a), at(b), at(c), at(d)).apart.norm() < 2.0 * way) {
+          ++count;
+        }
+        last = volume;
+      }
     }
   }
   return count;
