@@ -176,5 +176,29 @@ TEST(ContactScenes, AStrapThickAgainstItsPointsIsPulledByTheBeltFormula) {
   EXPECT_LT(tension, (1.0 + 0.1 * 0.005 / radius * 0.5 * M_PI + 0.5 * apart / radius) * belt);
 }
 
+TEST(ContactScenes, TheReefKnotTightensAndHoldsALoadByItself) {
+  // No segment passes through another in any step, so the knot is the one that was tied. From 0.8 s on its long ends
+  // alone are held, from 1.4 s on at rest: what they pull with stays, and the bight within the knot creeps by less than
+  // a tenth of a millimetre in a second.
+  Show show("reef_knot");
+  Nodes before = show.world->state().x, settled;
+  double load = 0.0;
+  while (show.world->time() < 3.0 - 1e-9) {
+    ASSERT_NO_FATAL_FAILURE(show.run_to(show.world->time() + 0.002));
+    const Nodes& x = show.world->state().x;
+    ASSERT_EQ(count_passages(show.world->model(), before, x), 0) << show.world->time();
+    before = x;
+    if (show.world->step_count() == 1000) {
+      settled = x;
+      load = show.world->snapshot().grasps[0].force.norm();
+    }
+  }
+  EXPECT_EQ(show.world->snapshot().grasps.size(), 2u);
+  EXPECT_GT(load, 20.0);
+  EXPECT_NEAR(show.world->snapshot().grasps[0].force.norm(), load, 0.01 * load);
+  const auto inside = [](const Nodes& x) { return x.middleCols(38, 14); };
+  EXPECT_LT((inside(before) - inside(settled)).colwise().norm().maxCoeff(), 1e-4);
+}
+
 }  // namespace
 }  // namespace deformable_sim::test

@@ -52,19 +52,23 @@ inline int count_passages(const Model& model, const Nodes& before, const Nodes& 
       segments.push_back({b.first_node + b.line->segment(s)[0], b.first_node + b.line->segment(s)[1]});
     }
   }
+  const double furthest = (after - before).colwise().norm().maxCoeff();
   int count = 0;
   for (size_t i = 0; i < segments.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
       const auto [a, b] = segments[i];
       const auto [c, d] = segments[j];
       if (a == c || a == d || b == c || b == d) continue;
+      const double apart = (before.col(a) - before.col(c)).norm();
+      const double longest = (before.col(b) - before.col(a)).norm() + (before.col(d) - before.col(c)).norm();
+      if (apart > longest + 2.0 * furthest) continue;
       double last = 0.0;
       for (int k = 0; k <= kParts; ++k) {
         const auto at = [&, t = static_cast<double>(k) / kParts](int node) -> Vec3 {
           return (1.0 - t) * before.col(node) + t * after.col(node);
         };
         const double volume = (at(b) - at(a)).cross(at(d) - at(c)).dot(at(c) - at(a));
-        const double way = (after - before).colwise().norm().maxCoeff() / kParts;
+        const double way = furthest / kParts;
         if (k > 0 && volume * last < 0.0 &&
             closest_segment_segment(at(a), at(b), at(c), at(d)).apart.norm() < 2.0 * way) {
           ++count;
