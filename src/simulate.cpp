@@ -15,6 +15,7 @@
 #include "deformable_sim/scene/export_frames.h"
 #include "deformable_sim/scene/load.h"
 #include "deformable_sim/scene/run_report.h"
+#include "deformable_sim/scene/script.h"
 
 namespace {
 
@@ -133,7 +134,8 @@ double seconds_of(clockid_t clock) {
 /// Steps a world and watches it: progress, frames, extremes.
 class Run {
  public:
-  Run(const Arguments& arguments, World* world) : arguments_(arguments), world_(world) {
+  Run(const Arguments& arguments, const SceneSpec& scene, World* world)
+      : arguments_(arguments), world_(world), script_(scene.script) {
     if (!arguments.out.empty()) frames_.emplace(arguments.out, arguments.format);
   }
 
@@ -145,6 +147,7 @@ class Run {
     const double count = std::ceil(arguments_.seconds / dt - 1e-9);
     watch();
     for (double k = 0; k < count && !g_interrupted; ++k) {
+      if (!play_script()) break;
       const double cpu = seconds_of(CLOCK_PROCESS_CPUTIME_ID), wall = seconds_of(CLOCK_MONOTONIC);
       const StepOutcome outcome = world_->step();
       report.cpu_seconds += seconds_of(CLOCK_PROCESS_CPUTIME_ID) - cpu;
@@ -163,6 +166,13 @@ class Run {
 
  private:
   static constexpr double kSlack = 1e-9;  // s: time is a sum of steps
+
+  bool play_script() {
+    const Reply reply = play(&script_, world_);
+    if (!reply.status.ok()) report.error = reply.status.message;
+    if (!reply.note.empty() && !arguments_.quiet) std::cerr << "\n" << reply.note << "\n";
+    return reply.status.ok();
+  }
 
   void watch() {
     const double time = world_->time();
@@ -196,6 +206,7 @@ class Run {
 
   const Arguments& arguments_;
   World* world_;
+  Script script_;
   std::optional<FrameWriter> frames_;
   double next_frame_ = 0.0, next_look_ = 0.0;
   double last_progress_ = 0.0;
@@ -205,7 +216,7 @@ class Run {
 int simulate(const Arguments& arguments) {
   const SceneSpec scene = load_scene_file(find_scene(arguments.scene, default_scene_dir()), arguments.overrides);
   const std::unique_ptr<World> world = build_world(scene, arguments.threads);
-  Run run(arguments, world.get());
+  Run run(arguments, scene, world.get());
   run.report.scene = scene.file;
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);

@@ -69,6 +69,7 @@ LoadedScene SceneLoader::build(SceneSpec spec) const {
   context.outputs = spec.outputs;
   context.drag_grasp = drag_grasp_;
   scene.publishers = make_publishers(context, parameters_);
+  scene.script = Script(spec.script);
   scene.spec = std::move(spec);
   return scene;
 }

@@ -201,6 +201,7 @@ bool Simulation::wants_to_step() const {
 
 void Simulation::advance() {
   const auto began = SpeedMeter::Clock::now();
+  play_script();
   follower_.update(scene_.world.get());
   StepOutcome outcome;
   try {
@@ -223,6 +224,17 @@ void Simulation::advance() {
   if (time_changed_) time_changed_(scene_.world->time());
   if (steps_ && ++steps_->answer.steps >= steps_->wanted) end_steps(Status());
   outputs_.offer(*scene_.world, version_, Outputs::Motion::kRunning, [this] { return run_state(); });
+}
+
+void Simulation::play_script() {
+  while (const ScriptEvent* event = scene_.script.take(scene_.world->time())) {
+    const Reply reply = apply_now(event->command);
+    const std::string what = reply.status.ok() ? reply.note : reply.status.message;
+    if (what.empty()) continue;
+    const std::string text = said_of(*event, what);
+    warnings_->set("script", text);
+    ROS_WARN_STREAM_NAMED("simulation", text);
+  }
 }
 
 void Simulation::watch_speed(double cost, SpeedMeter::Clock::time_point began) {
@@ -315,6 +327,8 @@ void Simulation::begin_world() {
   }
   failure_.clear();
   warnings_->clear("failure");
+  warnings_->clear("script");
+  scene_.script.restart();
   outputs_.use(scene_.publishers);
   if (pacer_.stamp(0.0).isZero()) frames_->forget();
   pacer_.restart(scene_.world->time());

@@ -276,6 +276,26 @@ Table<GraspText> grasp_table() {
   return t;
 }
 
+Table<EventText> script_table() {
+  using E = EventText;
+  Table<E> t("script[]",
+             "Something that happens by itself, between two steps. ~reset begins the script again; services and topics "
+             "may grasp, move and release beside it.");
+  t.number("at", "s", &E::at, between(0, 1e6), "Simulated time; no earlier than that of the event before.").required();
+  t.add(
+      {"grasp", "map", "", "", "", "A new grasp, of nodes where they are then. See grasps[]."},
+      [](const YamlValue& v, const std::string& path, E* out) { grasp_table().read(v, path, &out->grasp.emplace()); });
+  t.text("release", &E::release, "The grasp that lets go.");
+  t.text("move_grasp", &E::move_grasp, "The grasp that goes to `pose`.");
+  t.text("move_collider", &E::move_collider, "The collider that goes to `pose`.");
+  t.add({"pose", "map", "", "required by moves", "",
+         "World from grasp or collider, straight and slerped: turned about its origin alone, a grasp carries its nodes "
+         "along an arc. See pose."},
+        [](const YamlValue& v, const std::string& path, E* out) { pose_table().read(v, path, &out->pose.emplace()); });
+  t.number("duration", "s", &E::duration, between(0, 1e6), "Of a move; 0 = as fast as max_speed allows.");
+  return t.exactly_one_of({"grasp", "release", "move_grasp", "move_collider"});
+}
+
 Table<RobotSpec> robot_table() {
   Table<RobotSpec> t("robot", "Collide with the links of the ROS parameter robot_description, posed by tf (ROS only).");
   const auto names = [](std::vector<std::string> RobotSpec::*member) {
@@ -326,6 +346,7 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
          "Each a map with one key: box, sphere, cylinder, capsule, plane, cone, mesh or octomap."},
         lists.colliders);
   t.add({"grasps", "list", "", "[]", "", "Each a map. See grasps[]."}, lists.grasps);
+  t.add({"script", "list", "", "[]", "", "Each a map, in the order of time. See script[]."}, lists.script);
   t.add({"robot", "map", "", "no robot", "", "See robot. `robot: {}` takes all links."},
         [](const YamlValue& v, const std::string& path, SceneSpec* scene) {
           scene->robot.present = true;

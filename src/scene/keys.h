@@ -42,6 +42,15 @@ struct GraspText {
   std::optional<PoseSpec> pose;
 };
 
+/// An event of the script as it stands in the file; exactly one of the first four is given.
+struct EventText {
+  std::optional<GraspText> grasp;
+  std::string release, move_grasp, move_collider;
+  double at = 0.0;
+  std::optional<PoseSpec> pose;
+  double duration = 0.0;
+};
+
 struct TaggedTable {
   std::string tag;
   Table<PrimitiveText> table;
@@ -67,11 +76,13 @@ Table<BodySpec> soft_table();
 std::vector<TaggedTable> collider_tables();
 Table<SelectText> select_table();
 Table<GraspText> grasp_table();
+Table<EventText> script_table();
 Table<RobotSpec> robot_table();
 Table<OutputSpec> output_table();
-/// The whole scene; bodies, colliders and grasps are read by the loader, which passes its reader for each entry.
+/// The whole scene; bodies, colliders, grasps and the script are read by the loader, which passes its reader for each
+/// entry.
 struct SceneListReaders {
-  Table<SceneSpec>::Reader bodies, colliders, grasps;
+  Table<SceneSpec>::Reader bodies, colliders, grasps, script;
 };
 Table<SceneSpec> scene_table(const SceneListReaders& lists);
 

@@ -41,7 +41,8 @@ class SceneReader {
     const SceneListReaders lists{
         [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_bodies(v, path, out); },
         [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_colliders(v, path, out); },
-        [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_grasps(v, path, out); }};
+        [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_grasps(v, path, out); },
+        [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_script(v, path, out); }};
     scene_table(lists).read(root, "", scene);
     if (const YamlValue* step = root.find("step")) choose_mode(*step, &scene->step);
   }
@@ -244,6 +245,63 @@ class SceneReader {
       const YamlValue* value = select.find(key);
       if (value && !select.find(to)) refuse_key(*value, path + ".select." + key, "belongs to " + to);
     }
+  }
+
+  void read_script(const YamlValue& list, const std::string& path, SceneSpec* scene) {
+    const std::vector<YamlValue>& items = read_list(list, path, "script");
+    const Table<EventText> table = script_table();
+    double now = 0.0;
+    for (size_t k = 0; k < items.size(); ++k) {
+      const std::string entry_path = indexed(path, k);
+      EventText text;
+      table.read(items[k], entry_path, &text);
+      if (text.at < now) {
+        refuse(*items[k].find("at"), entry_path + ".at", "is before that of the event before, " + format_number(now));
+      }
+      now = text.at;
+      scene->script.push_back(
+          {location_of(items[k]), entry_path, text.at, command_of(items[k], entry_path, text, *scene)});
+    }
+  }
+
+  Command command_of(const YamlValue& entry, const std::string& path, const EventText& text, const SceneSpec& scene) {
+    const bool moves = entry.find("move_grasp") || entry.find("move_collider");
+    if (moves && !text.pose) refuse(entry, path + ".pose", "required by a move, and missing");
+    for (const char* key : {"pose", "duration"}) {
+      const YamlValue* value = entry.find(key);
+      if (value && !moves) refuse_key(*value, path + "." + key, "belongs to move_grasp and move_collider");
+    }
+    if (const YamlValue* grasp = entry.find("grasp")) {
+      check_selection(*grasp, path + ".grasp", *text.grasp, scene);
+      grasp_names_.emplace(text.grasp->request.name, path + ".grasp.name");  // may be taken again, once released
+      return command::Grasp{request_of(*text.grasp)};
+    }
+    if (const YamlValue* release = entry.find("release")) {
+      check_known(*release, path + ".release", "grasp", grasp_names_);
+      return command::Release{text.release};
+    }
+    if (const YamlValue* move = entry.find("move_grasp")) {
+      check_known(*move, path + ".move_grasp", "grasp", grasp_names_);
+      return command::MoveGrasp{text.move_grasp, text.pose->pose(), text.duration};
+    }
+    const YamlValue& move = *entry.find("move_collider");
+    check_known(move, path + ".move_collider", "collider", collider_names_);
+    for (const ColliderSpec& collider : scene.colliders) {
+      if (collider.collider.name == text.move_collider && !collider.collider.frame.empty()) {
+        refuse(move, path + ".move_collider",
+               "'" + text.move_collider + "' follows tf frame " + collider.collider.frame + " and takes no targets");
+      }
+    }
+    return command::MoveCollider{text.move_collider, text.pose->pose(), text.duration};
+  }
+
+  static void check_known(const YamlValue& value, const std::string& path, const std::string& what,
+                          const std::map<std::string, std::string>& names) {
+    if (names.count(value.text)) return;
+    std::vector<std::string> known;
+    for (const auto& [name, where] : names) known.push_back(name);
+    refuse(value, path, "no " + what + " '" + value.text + "'; there is " + (known.empty() ? "none" : join(known)),
+           Code::kNotFound);
   }
 
   static GraspRequest request_of(const GraspText& text) {

@@ -207,6 +207,7 @@ std::unique_ptr<Case> scene_case(const std::string& name_or_file, const std::vec
   const bool of_suite = std::find(suite.begin(), suite.end(), name_or_file) != suite.end();
   const std::string path = find_scene(name_or_file, of_suite ? suite_dir() : default_scene_dir());
   const SceneSpec spec = load_scene_file(path, overrides);
+  if (!spec.script.empty()) throw InputError(path + ": has a script, which a study does not play");
   std::string text = content_of(path);
   for (const auto& [key, value] : overrides) text += "|" + key + "=" + value;
   for (const BodySpec& body : spec.bodies) {

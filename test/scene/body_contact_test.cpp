@@ -5,10 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "deformable_sim/core/contact/closest_points.h"
 #include "deformable_sim/scene/build.h"
 #include "deformable_sim/scene/load.h"
 #include "support/crossings.h"
+#include "support/folded_towel.h"
 
 namespace deformable_sim::test {
 namespace {
@@ -65,29 +65,6 @@ colliders:
   std::unique_ptr<World> world;
 };
 
-/// Which quarters of the towel a plumb line at (x, y) meets, from below: 0 ... 3 as they were laid down, faces beside
-/// the creases left out.
-std::vector<int> quarters_at(const Model& model, const Nodes& x, double px, double py) {
-  const TriangleMesh& mesh = *model.bodies[0].surface;
-  std::vector<std::pair<double, int>> found;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]);
-    Mat3 corners;
-    corners << a.x(), b.x(), c.x(), a.y(), b.y(), c.y(), 1.0, 1.0, 1.0;
-    if (std::abs(corners.determinant()) < 1e-9) continue;
-    const Vec3 weight = corners.inverse() * Vec3(px, py, 1.0);
-    if (weight.minCoeff() < 0.0) continue;
-    const Vec3 rest = (mesh.rest.col(t[0]) + mesh.rest.col(t[1]) + mesh.rest.col(t[2])) / 3.0;
-    if (std::abs(rest.x()) < 0.06 || std::abs(rest.y()) < 0.06) continue;
-    const int quarter = rest.x() < 0.0 ? (rest.y() < 0.0 ? 0 : 1) : (rest.y() > 0.0 ? 2 : 3);
-    found.emplace_back(weight.dot(Vec3(a.z(), b.z(), c.z())), quarter);
-  }
-  std::sort(found.begin(), found.end());
-  std::vector<int> quarters;
-  for (const auto& [height, quarter] : found) quarters.push_back(quarter);
-  return quarters;
-}
-
 class FoldedTwice : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(BodyContact, FoldedTwice,
@@ -119,41 +96,6 @@ TEST_P(FoldedTwice, ATowelKeepsFourLayersInOrder) {
     if (rest.col(e.node[0]).cwiseAbs().maxCoeff() < 0.08) continue;
     EXPECT_LT((x.col(e.node[0]) - x.col(e.node[1])).norm(), 1.04 * e.rest_length) << e.node[0];
   }
-}
-
-/// Pairs of segments of ropes that passed through one another while x moved straight from `before` to `after`: their
-/// volume changes sign where they are at no distance.
-int count_passages(const Model& model, const Nodes& before, const Nodes& after) {
-  constexpr int kParts = 64;
-  std::vector<std::array<int, 2>> segments;
-  for (const Body& b : model.bodies) {
-    if (!b.line) continue;
-    for (int s = 0; s < b.line->segment_count(); ++s) {
-      segments.push_back({b.first_node + b.line->segment(s)[0], b.first_node + b.line->segment(s)[1]});
-    }
-  }
-  int count = 0;
-  for (size_t i = 0; i < segments.size(); ++i) {
-    for (size_t j = 0; j < i; ++j) {
-      const auto [a, b] = segments[i];
-      const auto [c, d] = segments[j];
-      if (a == c || a == d || b == c || b == d) continue;
-      const auto at = [&](int node, double t) -> Vec3 { return (1.0 - t) * before.col(node) + t * after.col(node); };
-      const auto volume = [&](double t) {
-        return (at(b, t) - at(a, t)).cross(at(d, t) - at(c, t)).dot(at(c, t) - at(a, t));
-      };
-      for (int k = 0; k < kParts; ++k) {
-        double from = static_cast<double>(k) / kParts, to = static_cast<double>(k + 1) / kParts;
-        if (volume(from) * volume(to) >= 0.0) continue;
-        for (int halving = 0; halving < 50; ++halving) {
-          const double middle = 0.5 * (from + to);
-          (volume(from) * volume(middle) <= 0.0 ? to : from) = middle;
-        }
-        if (closest_segment_segment(at(a, to), at(b, to), at(c, to), at(d, to)).apart.norm() < 1e-7) ++count;
-      }
-    }
-  }
-  return count;
 }
 
 TEST(BodyContact, NothingCrossesAtAnySpeed) {

@@ -4,6 +4,7 @@
 #include "deformable_sim/core/contact/contact_finder.h"
 #include "deformable_sim/scene/build.h"
 #include "deformable_sim/scene/load.h"
+#include "deformable_sim/scene/script.h"
 
 namespace deformable_sim {
 namespace {
@@ -17,8 +18,11 @@ TEST_P(ShippedScene, StepsWithoutPenetrationOrTearing) {
   const SceneSpec spec = load_scene_file(find_scene(GetParam(), kScenes));
   EXPECT_FALSE(spec.title.empty() && GetParam() != "minimal") << "a shipped scene says what it shows";
   const std::unique_ptr<World> world = build_world(spec);
+  Script script(spec.script);
   double depth = 0.0, strain = 0.0;
   while (world->time() < 1.0) {
+    const Reply reply = play(&script, world.get());
+    ASSERT_TRUE(reply.status.ok()) << reply.status.message;
     const StepOutcome outcome = world->step();
     ASSERT_TRUE(outcome.ok) << "at " << world->time() << " s: " << outcome.message;
     if (world->step_count() % 5 != 0) continue;

@@ -18,6 +18,7 @@
 #include "deformable_sim/ros/parameters.h"
 #include "deformable_sim/ros/request_queue.h"
 #include "deformable_sim/ros/warnings.h"
+#include "deformable_sim/scene/script.h"
 
 namespace deformable_sim {
 
@@ -26,6 +27,7 @@ struct LoadedScene {
   SceneSpec spec;
   std::unique_ptr<World> world;
   std::vector<Collider> attached;  // moved by tf, relative to their frames; not in the world yet
+  Script script;
   std::shared_ptr<PublisherSet> publishers;
 };
 
@@ -74,6 +76,7 @@ class Simulation {
 
   void run();
   void advance();
+  void play_script();
   bool wants_to_step() const;
   Reply apply_now(const Command& command);
   Reply attach_now(const Collider& collider, const Pose& frame_from_collider);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "deformable_sim/core/command.h"
 #include "deformable_sim/core/contact/collider.h"
 #include "deformable_sim/core/grasp/grasp.h"
 #include "deformable_sim/core/world.h"
@@ -189,6 +190,14 @@ struct GraspSpec {
   GraspRequest request;  // pose in the world frame
 };
 
+/// A command that is given by itself once the simulated time is reached.
+struct ScriptEvent {
+  Location where;
+  std::string path;   // of the key
+  double time = 0.0;  // s
+  Command command;
+};
+
 /// Collide with links of the robot described by the ROS parameter robot_description, posed by tf. ROS only.
 struct RobotSpec {
   bool present = false;
@@ -244,6 +253,7 @@ struct SceneSpec {
   std::vector<BodySpec> bodies;
   std::vector<ColliderSpec> colliders;
   std::vector<GraspSpec> grasps;
+  std::vector<ScriptEvent> script;  // in the order of time
   RobotSpec robot;
   OutputSpec outputs;
 };

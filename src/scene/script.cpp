@@ -1,0 +1,26 @@
+#include "deformable_sim/scene/script.h"
+
+#include "schema.h"
+
+namespace deformable_sim {
+
+std::string said_of(const ScriptEvent& event, const std::string& what) {
+  const std::string place =
+      event.where.line > 0 ? event.where.file + ":" + std::to_string(event.where.line) : event.where.file;
+  return place + ": " + event.path + ": at " + format_number(event.time) + " s: " + what;
+}
+
+Reply play(Script* script, World* world) {
+  Reply all;
+  while (const ScriptEvent* event = script->take(world->time())) {
+    Reply reply = world->apply(event->command);
+    if (!reply.status.ok()) {
+      reply.status.message = said_of(*event, reply.status.message);
+      return reply;
+    }
+    if (!reply.note.empty()) all.note += (all.note.empty() ? "" : "\n") + said_of(*event, reply.note);
+  }
+  return all;
+}
+
+}  // namespace deformable_sim
