@@ -49,7 +49,7 @@ class Show {
 TEST(ContactScenes, FoldTwiceLeavesFourLayersInOrderAtRest) {
   // The quarters lie on one another as they were laid down; nothing moves by a millimetre a second.
   Show show("fold_twice");
-  ASSERT_NO_FATAL_FAILURE(show.run_to(6.5));
+  ASSERT_NO_FATAL_FAILURE(show.run_to(6.0));
   int whole = 0;
   for (double px = -0.25; px < 0.1; px += 0.013) {
     for (double py = -0.3; py < 0.1; py += 0.013) {
@@ -184,7 +184,7 @@ TEST(ContactScenes, ContactAnywhereKeepsEdgesAndPostsOutOfCoarseSheets) {
                                 {"bodies[0].cloth.contact_points", "anywhere"},
                                 {"bodies[0].cloth.contact_radius", "0.0015"},
                                 {"bodies[0].cloth.material.areal_density", "0.3"}});
-  while (show.world->time() < 2.5) {
+  while (show.world->time() < 2.0) {
     ASSERT_NO_FATAL_FAILURE(show.run_to(show.world->time() + 0.05, 10000));
     EXPECT_EQ(deepest_cut(*show.world), 0.0) << show.world->time();
   }
