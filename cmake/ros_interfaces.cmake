@@ -31,13 +31,16 @@ add_message_files(DIRECTORY msg FILES
   GraspState.msg
   GraspStateArray.msg
   Obstacle.msg
+  Octomap.msg
   SimStatus.msg
   Status.msg
 )
 add_service_files(DIRECTORY srv FILES
   AddObstacle.srv
+  GetDistance.srv
   GetState.srv
   Grasp.srv
+  LetThrough.srv
   LoadScene.srv
   MoveGrasp.srv
   Release.srv

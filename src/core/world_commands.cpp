@@ -7,16 +7,20 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kFurthest = 1e6;  // m
-constexpr double kFastest = 1e4;   // m/s
+constexpr double kFurthest = 1e6;      // m
+constexpr double kFastest = 1e4;       // m/s
+constexpr double kLeastLength = 1e-6;  // of an edge, of its rest length
+
+int find_body(const Model& model, const std::string& name) {
+  const int body = model.find_body(name);
+  if (body >= 0) return body;
+  std::string known;
+  for (const Body& b : model.bodies) known += (known.empty() ? "" : ", ") + b.name;
+  throw InputError("no body named '" + name + "'; there are: " + (known.empty() ? "none" : known), Code::kNotFound);
+}
 
 void check_body_state(const Model& model, const command::SetBodyState& c) {
-  const int body = model.find_body(c.body);
-  if (body < 0) {
-    std::string known;
-    for (const Body& b : model.bodies) known += (known.empty() ? "" : ", ") + b.name;
-    throw InputError("no body named '" + c.body + "'; there are: " + (known.empty() ? "none" : known), Code::kNotFound);
-  }
+  const int body = find_body(model, c.body);
   const Eigen::Index count = model.bodies[static_cast<size_t>(body)].node_count;
   if (c.x.cols() != count || c.v.cols() != count)
     throw InputError("'" + c.body + "' has " + std::to_string(count) + " nodes; got " + std::to_string(c.x.cols()) +
@@ -56,7 +60,13 @@ Reply World::apply(const Command& any) {
       w.held_nodes_changed();
     }
     void operator()(const command::AddCollider& c) {
+      for (const std::string& body : c.collider.lets_through) find_body(*w.model, body);
       w.colliders.add(c.collider);
+      w.colliders_changed();
+    }
+    void operator()(const command::LetThrough& c) {
+      for (const std::string& body : c.bodies) find_body(*w.model, body);
+      w.colliders.let_through(c.name, c.bodies);
       w.colliders_changed();
     }
     void operator()(const command::MoveCollider& c) {
@@ -70,6 +80,7 @@ Reply World::apply(const Command& any) {
       check_body_state(*w.model, c);
       const int index = w.model->find_body(c.body);
       const Body& body = w.model->bodies[static_cast<size_t>(index)];
+      refuse_crossing(body, c.x);
       w.state.x.middleCols(body.first_node, body.node_count) = c.x;
       w.state.v.middleCols(body.first_node, body.node_count) = c.v;
       if (c.rod.size() > 0) {
@@ -86,6 +97,21 @@ Reply World::apply(const Command& any) {
       w.integrator->reset();
     }
     void operator()(const command::Reset&) { w.start(); }
+
+    /// Bodies that cross are not seen as touching until they have come apart.
+    void refuse_crossing(const Body& body, const Nodes& x) const {
+      if (!w.meetings || body.touches == BodyContact::kNone) return;
+      Nodes all = w.state.x;
+      all.middleCols(body.first_node, body.node_count) = x;
+      for (const StrainEdge& edge : body.strain_edges)
+        if ((all.col(edge.node[0]) - all.col(edge.node[1])).norm() < kLeastLength * edge.rest_length)
+          throw InputError("nodes " + std::to_string(edge.node[0] - body.first_node) + " and " +
+                           std::to_string(edge.node[1] - body.first_node) + " of '" + body.name +
+                           "' lie in one place; bodies that touch others need a direction from node to node");
+      const std::string crossing = w.meetings->find_crossing(all);
+      if (crossing.find("'" + body.name + "'") != std::string::npos)
+        throw InputError(crossing + " in this state; give one in which they lie apart");
+    }
   };
 
   Visitor visitor{w, dt, Reply()};

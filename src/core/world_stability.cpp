@@ -91,7 +91,7 @@ int World::Parts::wanted_parts() {
   const double limit = integrator->stability_limit();
   if (!std::isfinite(limit)) {
     stable_dt = std::numeric_limits<double>::infinity();
-    return settings.parts;
+    return meetings ? std::max(settings.parts, meetings->parts_for(settings.dt)) : settings.parts;
   }
   if (stable_dt_age < 0 || stable_dt_age >= kRemeasureSteps) {
     const double omega = highest_frequency(dynamics, state), rate = highest_damping_rate(dynamics, state);

@@ -5,7 +5,9 @@
 #include "deformable_sim/core/contact/solid_parts.h"
 #include "deformable_sim/ros/build_progress.h"
 #include "deformable_sim/ros/convert.h"
+#include "deformable_sim/ros/resource.h"
 #include "deformable_sim/scene/collider_file.h"
+#include "deformable_sim/scene/octomap_file.h"
 
 namespace deformable_sim {
 
@@ -95,8 +97,21 @@ std::vector<Shape> to_shapes(const shape_msgs::Mesh& m, const std::string& name,
   }
 }
 
+Shape to_shape(const msg::Octomap& m, std::size_t number) {
+  const std::string who = "octomaps[" + std::to_string(number) + "]";
+  try {
+    const std::string scheme = "file://";
+    const std::string path = m.file.rfind(scheme, 0) == 0 ? m.file.substr(scheme.size()) : m.file;
+    if (path.rfind('/', 0) == 0) return load_octomap(path);
+    if (!m.file.empty()) return octomap_from_bytes(read_resource(m.file), printable(m.file));
+    return octomap_shape({m.binary != 0, m.id, m.resolution, std::string(m.data.begin(), m.data.end())});
+  } catch (const InputError& error) {
+    throw InputError(who + ": " + error.what(), error.code());
+  }
+}
+
 void check_sizes(const msg::Obstacle& m) {
-  const std::size_t shapes = m.primitives.size() + m.meshes.size() + m.planes.size();
+  const std::size_t shapes = m.primitives.size() + m.meshes.size() + m.planes.size() + m.octomaps.size();
   if (shapes > kMostShapes) {
     throw InputError(
         "primitives: " + std::to_string(shapes) + " shapes, at most " + std::to_string(kMostShapes) + " are allowed",
@@ -117,14 +132,19 @@ ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
     throw InputError("mesh_poses: " + std::to_string(m.mesh_poses.size()) + " for " + std::to_string(m.meshes.size()) +
                      " meshes, one for each is needed");
   }
-  if (m.primitives.empty() && m.meshes.empty() && m.planes.empty())
-    throw InputError("primitives: none, no mesh and no plane; an obstacle needs a shape");
+  if (m.octomaps.size() != m.octomap_poses.size()) {
+    throw InputError("octomap_poses: " + std::to_string(m.octomap_poses.size()) + " for " +
+                     std::to_string(m.octomaps.size()) + " octomaps, one for each is needed");
+  }
+  if (m.primitives.empty() && m.meshes.empty() && m.planes.empty() && m.octomaps.empty())
+    throw InputError("primitives: none, no mesh, no plane and no octomap; an obstacle needs a shape");
 
   ObstacleRequest request;
   Collider& collider = request.collider;
   collider.name = m.name;
   collider.friction = to_non_negative(m.friction, "friction");
   collider.frame = m.frame;
+  collider.lets_through = m.lets_through;
   std::vector<Pose> poses;  // in header.frame_id
   for (std::size_t i = 0; i < m.primitives.size(); ++i) {
     collider.shapes.push_back(to_shape(m.primitives[i]));
@@ -143,6 +163,10 @@ ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
     collider.shapes.push_back(shape);
     poses.push_back(to_pose(plane));
   }
+  for (std::size_t i = 0; i < m.octomaps.size(); ++i) {
+    collider.shapes.push_back(to_shape(m.octomaps[i], i));
+    poses.push_back(to_pose(m.octomap_poses[i], "octomap_poses"));
+  }
   for (std::size_t i = 0; i < poses.size(); ++i) collider.shapes[i].collider_from_shape = poses[0].inverse() * poses[i];
   collider.world_from_collider = frames->resolve(m.header.frame_id) * poses[0];
   if (!m.frame.empty()) {
@@ -153,15 +177,15 @@ ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
 
 command::MoveCollider to_obstacle_move(const msg::Obstacle& m, Frames* frames) {
   check_name("name", m.name);
-  if (m.primitive_poses.empty() && m.mesh_poses.empty() && m.planes.empty()) {
+  if (m.primitive_poses.empty() && m.mesh_poses.empty() && m.planes.empty() && m.octomap_poses.empty()) {
     throw InputError(
         "primitive_poses: empty; MOVE needs the new pose of the first primitive (else of the first mesh, else the "
-        "first "
-        "plane)");
+        "first plane, else of the first octomap)");
   }
   const Pose pose = !m.primitive_poses.empty() ? to_pose(m.primitive_poses[0], "primitive_poses")
                     : !m.mesh_poses.empty()    ? to_pose(m.mesh_poses[0], "mesh_poses")
-                                               : to_pose(m.planes[0]);
+                    : !m.planes.empty()        ? to_pose(m.planes[0])
+                                               : to_pose(m.octomap_poses[0], "octomap_poses");
   return {m.name, frames->resolve(m.header.frame_id) * pose, 0.0};
 }
 

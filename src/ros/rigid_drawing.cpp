@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "deformable_sim/core/contact/collider_mesh.h"
+#include "deformable_sim/core/contact/voxel_solid.h"
 #include "deformable_sim/ros/convert.h"
 
 namespace deformable_sim {
@@ -62,6 +63,23 @@ Marker mesh_marker(const ColliderMesh& mesh, const Pose& pose) {
   return marker;
 }
 
+/// One list of cubes for each size.
+void add_voxels(const VoxelSolid& solid_of_voxels, const Pose& pose, std::vector<Marker>* markers) {
+  for (int level = 0; level <= kVoxelLevels; ++level) {
+    const double size = solid_of_voxels.resolution() * (1 << level);
+    Marker marker = solid(Marker::CUBE_LIST, pose, Vec3::Constant(size), kSolid);
+    for (const VoxelCube& cube : solid_of_voxels.cubes()) {
+      if (cube.level != level) continue;
+      geometry_msgs::Point point;
+      point.x = solid_of_voxels.resolution() * (cube.key[0] - kVoxelOrigin) + 0.5 * size;
+      point.y = solid_of_voxels.resolution() * (cube.key[1] - kVoxelOrigin) + 0.5 * size;
+      point.z = solid_of_voxels.resolution() * (cube.key[2] - kVoxelOrigin) + 0.5 * size;
+      marker.points.push_back(point);
+    }
+    if (!marker.points.empty()) markers->push_back(std::move(marker));
+  }
+}
+
 void add_shape(const Shape& shape, const Pose& pose, std::vector<Marker>* markers) {
   const double diameter = 2.0 * shape.size.x();
   const Vec3 round(diameter, diameter, diameter);
@@ -85,6 +103,9 @@ void add_shape(const Shape& shape, const Pose& pose, std::vector<Marker>* marker
       break;
     case Shape::Type::kMesh:
       markers->push_back(mesh_marker(*shape.mesh, pose));
+      break;
+    case Shape::Type::kVoxels:
+      add_voxels(*shape.voxels, pose, markers);
       break;
     case Shape::Type::kPlane:
       markers->push_back(solid(Marker::CUBE, shifted(-0.5 * kPlaneThickness),

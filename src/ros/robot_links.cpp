@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include <resource_retriever/retriever.h>
 #include <ros/console.h>
 #include <urdf/model.h>
 
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/ros/build_progress.h"
+#include "deformable_sim/ros/resource.h"
 #include "deformable_sim/scene/collider_file.h"
 #include "deformable_sim/scene/mesh_file.h"
 
@@ -21,14 +21,7 @@ Pose to_pose(const urdf::Pose& origin) {
 }
 
 std::vector<Shape> to_shapes(const urdf::Mesh& mesh, double padding) {
-  resource_retriever::MemoryResource file;
-  try {
-    resource_retriever::Retriever retriever;
-    file = retriever.get(mesh.filename);
-  } catch (const resource_retriever::Exception& error) {
-    throw InputError(error.what(), Code::kNotFound);
-  }
-  const std::string bytes(reinterpret_cast<const char*>(file.data.get()), file.size);
+  const std::string bytes = read_resource(mesh.filename);
   const Vec3 scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
   const TriangleMesh faces = faces_from_bytes(bytes, mesh.filename, scale);
   try {
@@ -80,6 +73,7 @@ std::vector<Collider> robot_links(const std::string& urdf_xml, const RobotSpec& 
   if (!model.initString(urdf_xml)) throw InputError("robot_description: not a URDF that can be read");
   check_links(model, spec.links);
   check_links(model, spec.exclude);
+  for (const auto& [link, bodies] : spec.lets_through) check_links(model, {link});
   std::vector<Collider> colliders;
   for (const auto& [name, link] : model.links_) {
     if ((!spec.links.empty() && !contains(spec.links, name)) || contains(spec.exclude, name)) continue;
@@ -87,6 +81,8 @@ std::vector<Collider> robot_links(const std::string& urdf_xml, const RobotSpec& 
     collider.name = kRobotPrefix + name;
     collider.frame = name;
     collider.friction = spec.friction;
+    const auto through = spec.lets_through.find(name);
+    if (through != spec.lets_through.end()) collider.lets_through = through->second;
     for (const auto& collision : link->collision_array) {
       if (!collision || !collision->geometry) continue;
       try {

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
+#include "deformable_sim/core/contact/body_distance.h"
 #include "deformable_sim/ros/commands.h"
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/grasp_requests.h"
@@ -59,6 +61,28 @@ Nodes to_nodes(const std::vector<double>& values, const Body& body, const std::s
   const Nodes nodes = Eigen::Map<const Nodes>(values.data(), 3, body.node_count);
   if (!nodes.allFinite()) throw InputError(what + ": not finite");
   return nodes;
+}
+
+/// Those named, in their order; without names those that the body may touch.
+std::vector<Collider> chosen_colliders(const std::vector<Collider>& all, const std::vector<std::string>& names,
+                                       const std::string& body) {
+  std::vector<Collider> chosen;
+  std::string known;
+  for (const Collider& collider : all) {
+    known += (known.empty() ? "" : ", ") + collider.name;
+    if (names.empty() && !lets_through(collider, body)) chosen.push_back(collider);
+  }
+  for (const std::string& name : names) {
+    const auto at = std::find_if(all.begin(), all.end(), [&name](const Collider& c) { return c.name == name; });
+    if (at == all.end()) {
+      throw InputError(
+          "obstacles: '" + printable(name) + "' is not in the world; there are " + (known.empty() ? "none" : known),
+          Code::kNotFound);
+    }
+    chosen.push_back(*at);
+  }
+  if (chosen.empty()) throw InputError("obstacles: none that '" + body + "' may touch", Code::kNotFound);
+  return chosen;
 }
 
 const Body& find_body(const Model& model, const std::string& name) {
@@ -157,6 +181,16 @@ void Services::advertise_scene() {
         });
         fill(status, &response->status);
       }));
+  servers_.push_back(serve<msg::LetThroughRequest, msg::LetThroughResponse>(
+      nh_, "let_through", [this](const auto& request, auto* response) {
+        const Status status = guarded([&] {
+          if (request.obstacle.empty()) throw InputError("obstacle: empty; the name of an obstacle or robot.<link>");
+          return answer(simulation_->apply({command::LetThrough{printable(request.obstacle), request.bodies}}));
+        });
+        fill(status, &response->status);
+      }));
+  servers_.push_back(serve<msg::GetDistanceRequest, msg::GetDistanceResponse>(
+      nh_, "get_distance", [this](const auto& request, auto* response) { get_distance(request, response); }));
   servers_.push_back(serve<msg::GetStateRequest, msg::GetStateResponse>(
       nh_, "get_state", [this](const auto& request, auto* response) { get_state(request, response); }));
   servers_.push_back(serve<msg::SetStateRequest, msg::SetStateResponse>(
@@ -202,6 +236,29 @@ void Services::get_state(const msg::GetStateRequest& request, msg::GetStateRespo
     if (!reply.status.ok()) return reply.status;
     find_body(*snapshot.model, request.body);
     response->state = body_state_message(snapshot, snapshot.model->find_body(request.body), frame_id_, stamp);
+    return Status();
+  });
+  fill(status, &response->status);
+}
+
+void Services::get_distance(const msg::GetDistanceRequest& request, msg::GetDistanceResponse* response) {
+  const Status status = guarded([&] {
+    Snapshot snapshot;
+    ros::Time stamp;
+    const Reply reply = simulation_->snapshot(&snapshot, &stamp);
+    if (!reply.status.ok()) return reply.status;
+    const Body& body = find_body(*snapshot.model, request.body);
+    const std::vector<Collider> colliders = chosen_colliders(snapshot.colliders, request.obstacles, body.name);
+    const BodyDistance found =
+        body_distance(*snapshot.model, snapshot.model->find_body(body.name), snapshot.x, colliders);
+    const Collider& nearest = colliders[static_cast<std::size_t>(found.collider)];
+    response->header.stamp = stamp;
+    response->header.frame_id = frame_id_;
+    response->distance = found.distance;
+    response->on_body = to_point(found.on_body);
+    response->on_obstacle = to_point(found.on_collider);
+    response->obstacle = nearest.name;
+    response->link = nearest.frame;
     return Status();
   });
   fill(status, &response->status);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "build_parts.h"
+#include "deformable_sim/core/contact/body_contacts.h"
 #include "deformable_sim/core/energy/terms.h"
 #include "deformable_sim/core/grasp/selection.h"
 #include "deformable_sim/scene/solver_choice.h"
@@ -260,6 +261,17 @@ void set_solver(const SceneSpec& spec, const Model& model, WorldSettings* settin
   if (ropes) settings->solver.newton_iterations = ample;
 }
 
+/// What a World refuses: at the later of two bodies that cross, else with the file alone.
+[[noreturn]] void refuse_world(const SceneSpec& spec, const Model& model, const InputError& error) {
+  const std::string crossing = BodyContacts(&model).find_crossing(model.initial.x);
+  for (size_t b = spec.bodies.size(); b-- > 0 && !crossing.empty();) {
+    const BodySpec& body = spec.bodies[b];
+    if (crossing.find("'" + body.name + "'") == std::string::npos || body.touches == BodyContact::kNone) continue;
+    refuse_at(body.where, "bodies[" + std::to_string(b) + "]: " + error.what(), error.code());
+  }
+  throw InputError(spec.file + (spec.file.empty() ? "" : ": ") + error.what(), error.code());
+}
+
 }  // namespace
 
 std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
@@ -326,9 +338,9 @@ std::unique_ptr<World> build_world(const SceneSpec& spec, int threads) {
   std::vector<GraspRequest> grasps;
   for (const PlacedGrasp& grasp : placed) grasps.push_back(grasp.request);
   try {
-    return std::make_unique<World>(std::move(model), settings, std::move(colliders), std::move(grasps));
+    return std::make_unique<World>(model, settings, std::move(colliders), std::move(grasps));
   } catch (const InputError& error) {
-    throw InputError(spec.file + (spec.file.empty() ? "" : ": ") + error.what(), error.code());
+    refuse_world(spec, *model, error);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "keys.h"
 
+#include <algorithm>
 #include <cctype>
 
 namespace deformable_sim {
@@ -25,7 +26,25 @@ void read_quaternion(const YamlValue& v, const std::string& path, PoseSpec* pose
   pose->orientation = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized();
 }
 
+std::vector<std::string> read_names(const YamlValue& v, const std::string& path, const std::string& of_what) {
+  std::vector<std::string> names;
+  for (const YamlValue& item : read_list(v, path, of_what))
+    names.push_back(read_text(item, path + "[" + std::to_string(names.size()) + "]"));
+  return names;
+}
+
 }  // namespace
+
+void check_bodies(const YamlValue& list, const std::string& path, const SceneSpec& scene) {
+  std::vector<std::string> known;
+  for (const BodySpec& body : scene.bodies) known.push_back(body.name);
+  for (size_t k = 0; k < list.items.size(); ++k) {
+    const YamlValue& item = list.items[k];
+    if (std::find(known.begin(), known.end(), item.text) == known.end())
+      refuse(item, path + "[" + std::to_string(k) + "]", "no body '" + item.text + "'; there is " + join(known),
+             Code::kNotFound);
+  }
+}
 
 Table<PoseSpec> pose_table() {
   Table<PoseSpec> t("pose", "Rigid placement in the world (of a body, a collider, a selection or a grasp).");
@@ -161,6 +180,9 @@ std::vector<TaggedTable> collider_tables() {
     t.map("pose", &P::pose, pose_table(), "World from collider (from `frame`, when given). See pose.");
     t.number("friction", "", &P::friction, kFriction, "Coulomb coefficient.");
     t.text("frame", &P::frame, "tf frame the collider is attached to (ROS only); empty = fixed in the world.");
+    t.add(
+        {"lets_through", "list of names", "", "[]", "bodies", "Bodies that it does not touch."},
+        [](const YamlValue& v, const std::string& path, P* out) { out->lets_through = read_names(v, path, "bodies"); });
     return t;
   };
   std::vector<TaggedTable> tables{
@@ -172,7 +194,10 @@ std::vector<TaggedTable> collider_tables() {
       {"cone", start("cone", "A cone along z of its pose, tip up, its middle height on it.")},
       {"mesh", start("mesh",
                      "A solid bounded by triangles, convex or not. The mesh has to be closed; parts that are "
-                     "not joined are solids of their own. See doc/theory/contact.md.")}};
+                     "not joined are solids of their own. See doc/theory/contact.md.")},
+      {"octomap", start("octomap",
+                        "The occupied voxels of an OctoMap tree, in its own coordinates; free and unknown space is "
+                        "empty. At most 500 000 voxels.")}};
   tables[0].table.vector("size", "[x, y, z]", "m", &P::size, size, "Full edge lengths.").required();
   for (size_t k : {1, 2, 3, 5}) tables[k].table.number("radius", "m", &P::radius, size, "Radius.").required();
   tables[2].table.number("length", "m", &P::length, size, "Length.").required();
@@ -182,6 +207,9 @@ std::vector<TaggedTable> collider_tables() {
       .table.text("file", &P::file, "OBJ, STL, PLY or DAE; relative to the scene, or package://deformable_sim/...")
       .required();
   tables[6].table.number("scale", "m", &P::scale, between(1e-6, 1000), "Metres per unit of the file.");
+  tables[7]
+      .table.text("file", &P::file, ".bt or .ot; relative to the scene, or package://deformable_sim/...")
+      .required();
   return tables;
 }
 
@@ -272,14 +300,18 @@ Table<RobotSpec> robot_table() {
   Table<RobotSpec> t("robot", "Collide with the links of the ROS parameter robot_description, posed by tf (ROS only).");
   const auto names = [](std::vector<std::string> RobotSpec::*member) {
     return [member](const YamlValue& v, const std::string& path, RobotSpec* robot) {
-      for (const YamlValue& item : read_list(v, path, "link names")) {
-        const std::string at = path + "[" + std::to_string((robot->*member).size()) + "]";
-        (robot->*member).push_back(read_text(item, at));
-      }
+      robot->*member = read_names(v, path, "link names");
     };
   };
   t.add({"links", "list of names", "", "all", "", "Links with collision elements."}, names(&RobotSpec::links));
   t.add({"exclude", "list of names", "", "[]", "", "Links that are no obstacles."}, names(&RobotSpec::exclude));
+  t.add({"lets_through", "map", "", "{}", "links, bodies",
+         "Which bodies a link does not touch: `{left_finger: [towel, rope]}`."},
+        [](const YamlValue& v, const std::string& path, RobotSpec* robot) {
+          if (v.kind != YamlValue::Kind::kMap) refuse(v, path, "must be a map of links and lists of bodies");
+          for (const YamlValue& item : v.items)
+            robot->lets_through[item.key] = read_names(item, path + "." + item.key, "bodies");
+        });
   t.number("padding", "m", &RobotSpec::padding, between(0, 1), "How much larger than in the URDF every shape is.");
   t.number("friction", "", &RobotSpec::friction, kFriction, "Coulomb coefficient of the links.");
   return t;
@@ -311,7 +343,7 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
         lists.bodies)
       .required();
   t.add({"colliders", "list", "", "[]", "",
-         "Each a map with one key: box, sphere, cylinder, capsule, plane, cone or mesh."},
+         "Each a map with one key: box, sphere, cylinder, capsule, plane, cone, mesh or octomap."},
         lists.colliders);
   t.add({"grasps", "list", "", "[]", "", "Each a map. See grasps[]."}, lists.grasps);
   t.add({"script", "list", "", "[]", "", "Each a map, in the order of time. See script[]."}, lists.script);
@@ -319,6 +351,8 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
         [](const YamlValue& v, const std::string& path, SceneSpec* scene) {
           scene->robot.present = true;
           robot_table().read(v, path, &scene->robot);
+          if (const YamlValue* given = v.find("lets_through"))
+            for (const YamlValue& link : given->items) check_bodies(link, path + ".lets_through." + link.key, *scene);
         });
   t.map("outputs", &SceneSpec::outputs, output_table(), "See outputs.");
   return t;

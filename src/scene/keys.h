@@ -21,6 +21,7 @@ struct PrimitiveText {
   PoseSpec pose;
   double friction = 0.5;
   std::string frame;
+  std::vector<std::string> lets_through;
 };
 
 /// A grasp's `select` map as it stands in the file; exactly one of the first five is given.
@@ -54,6 +55,9 @@ struct TaggedTable {
   std::string tag;
   Table<PrimitiveText> table;
 };
+
+/// Refuses names in a list that are no bodies of the scene.
+void check_bodies(const YamlValue& list, const std::string& path, const SceneSpec& scene);
 
 Table<PoseSpec> pose_table();
 Table<AirSpec> air_table();

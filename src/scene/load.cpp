@@ -9,6 +9,7 @@
 #include "body_rules.h"
 #include "build_parts.h"
 #include "deformable_sim/scene/collider_file.h"
+#include "deformable_sim/scene/octomap_file.h"
 #include "features.h"
 #include "keys.h"
 
@@ -158,6 +159,8 @@ class SceneReader {
       PrimitiveText text;
       tables[type].table.read(entry, entry_path, &text);
       check_unique(entry, entry_path, text.name, &collider_names_);
+      if (const YamlValue* bodies = entry.find("lets_through"))
+        check_bodies(*bodies, entry_path + ".lets_through", *scene);
       scene->colliders.push_back({location_of(items[k]), collider_of(entry, entry_path, text)});
     }
   }
@@ -166,7 +169,7 @@ class SceneReader {
     static const std::map<std::string, Shape::Type> kTypes{
         {"box", Shape::Type::kBox},         {"sphere", Shape::Type::kSphere}, {"cylinder", Shape::Type::kCylinder},
         {"capsule", Shape::Type::kCapsule}, {"plane", Shape::Type::kPlane},   {"cone", Shape::Type::kCone},
-        {"mesh", Shape::Type::kMesh}};
+        {"mesh", Shape::Type::kMesh},       {"octomap", Shape::Type::kVoxels}};
     Shape shape;
     shape.type = kTypes.at(entry.key);
     Collider collider;
@@ -187,18 +190,21 @@ class SceneReader {
       case Shape::Type::kPlane:
         break;
       case Shape::Type::kMesh:
-        collider.shapes = read_mesh(entry, path, text);
+      case Shape::Type::kVoxels:
+        collider.shapes = read_file(entry, path, text);
         break;
     }
     collider.name = text.name;
     collider.world_from_collider = text.pose.pose();
     collider.friction = text.friction;
     collider.frame = text.frame;
+    collider.lets_through = text.lets_through;
     return collider;
   }
 
-  std::vector<Shape> read_mesh(const YamlValue& entry, const std::string& path, const PrimitiveText& text) const {
+  std::vector<Shape> read_file(const YamlValue& entry, const std::string& path, const PrimitiveText& text) const {
     try {
+      if (entry.key == "octomap") return {load_octomap(resolve_mesh(text.file, scene_file_))};
       return load_collider_mesh(resolve_mesh(text.file, scene_file_), Vec3::Constant(text.scale), 0.0, {});
     } catch (const InputError& error) {
       refuse(*entry.find("file"), path + ".file", error.what(), error.code());

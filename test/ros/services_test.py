@@ -7,21 +7,14 @@ import unittest
 
 import rospy
 import rostest
-from geometry_msgs.msg import Point, PoseStamped, Pose
-from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
+from geometry_msgs.msg import PoseStamped
 
 from deformable_sim.msg import GraspCommand, Obstacle
-from support import (GraspSelection, SimStatus, Simulation, Status, feature, nearest, node_position, wait_until)
+from support import (GraspSelection, Refusals, SimStatus, Simulation, Status, box, feature, nearest, node_position,
+                     wait_until)
 
 DT = 0.01
 NODES = 11 * 9  # of the sheet
-
-
-def box(name, z=0.5, size=(0.1, 0.1, 0.1)):
-    pose = Pose()
-    pose.position.x, pose.position.z, pose.orientation.w = 3.0, z, 1.0
-    return Obstacle(name=name, primitives=[SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(size))],
-                    primitive_poses=[pose], friction=0.5)
 
 
 def target(x, y, z, frame=''):
@@ -32,20 +25,7 @@ def target(x, y, z, frame=''):
     return stamped
 
 
-def pyramid():
-    corners = ((0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1))
-    faces = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
-    return Mesh(vertices=[Point(*map(float, corner)) for corner in corners],
-                triangles=[MeshTriangle(vertex_indices=face) for face in faces])
-
-
-def with_mesh(mesh):
-    pose = Pose()
-    pose.orientation.w = 1.0
-    return Obstacle(name='bad', meshes=[mesh], mesh_poses=[pose])
-
-
-class Services(unittest.TestCase):
+class Services(Refusals, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.sim = Simulation()
@@ -54,14 +34,6 @@ class Services(unittest.TestCase):
     def setUp(self):
         self.assertEqual(self.sim.load_scene(file=self.scene).status.code, Status.OK)
         self.sim.steps(3)
-
-    def refuse(self, code, word, call):
-        """`call` is answered with `code`, a message that has `word` in it, and an unchanged world."""
-        before = self.sim.everything()
-        answer = call()
-        self.assertEqual(answer.status.code, code, answer.status.message)
-        self.assertIn(word, answer.status.message)
-        self.assertEqual(before, self.sim.everything())
 
     # --- time ---
 
@@ -215,69 +187,6 @@ class Services(unittest.TestCase):
         self.assertEqual(self.sim.release(name='').status.code, Status.OK)
         self.assertEqual(self.sim.everything()[2], [])
 
-    # --- obstacles ---
-
-    def test_obstacles_come_and_go(self):
-        before = self.sim.everything()
-        self.assertEqual(self.sim.add_obstacle(box('crate')).status.code, Status.OK)
-        self.assertNotEqual(before, self.sim.everything())
-        self.refuse(Status.ALREADY_EXISTS, 'crate', lambda: self.sim.add_obstacle(box('crate')))
-        self.assertEqual(self.sim.remove_obstacle('crate').status.code, Status.OK)
-        self.assertEqual(before, self.sim.everything())
-        self.refuse(Status.NOT_FOUND, 'crate', lambda: self.sim.remove_obstacle('crate'))
-
-    def test_every_shape_is_taken(self):
-        pose = Pose()
-        pose.position.x, pose.orientation.w = 4.0, 1.0
-        shapes = [SolidPrimitive(type=SolidPrimitive.BOX, dimensions=[1, 1, 1]),
-                  SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[0.1]),
-                  SolidPrimitive(type=SolidPrimitive.CYLINDER, dimensions=[0.4, 0.1]),
-                  SolidPrimitive(type=Obstacle.CAPSULE, dimensions=[0.4, 0.1]),
-                  SolidPrimitive(type=SolidPrimitive.CONE, dimensions=[0.4, 0.1])]
-        many = Obstacle(name='many', primitives=shapes, primitive_poses=[pose] * 5, planes=[Plane(coef=[0, 0, 2, 2])],
-                        meshes=[pyramid()], mesh_poses=[pose])
-        self.assertEqual(self.sim.add_obstacle(many).status.code, Status.OK)
-
-    def test_bad_obstacles_are_refused(self):
-        unknown = box('bad')
-        unknown.primitives[0].type = 77
-        short = box('bad', size=(0.1, 0.1))
-        nan_pose = box('bad')
-        nan_pose.primitive_poses[0].position.x = math.nan
-        no_pose = box('bad')
-        no_pose.primitive_poses = []
-        unplaced = box('bad')
-        unplaced.meshes = [pyramid()]
-        open_mesh = with_mesh(pyramid())
-        open_mesh.meshes[0].triangles.pop()
-        far_index = with_mesh(pyramid())
-        far_index.meshes[0].triangles[0].vertex_indices = [0, 1, 4000000000]
-        nan_vertex = with_mesh(pyramid())
-        nan_vertex.meshes[0].vertices[0].x = math.nan
-        large = with_mesh(pyramid())
-        large.meshes[0].triangles *= 60000
-        framed = box('bad')
-        framed.frame = 'no_such_frame'
-        rough = box('bad')
-        rough.friction = math.nan
-        for code, word, obstacle in ((Status.INVALID_ARGUMENT, 'type', unknown),
-                                     (Status.INVALID_ARGUMENT, 'dimensions', short),
-                                     (Status.INVALID_ARGUMENT, 'finite', nan_pose),
-                                     (Status.INVALID_ARGUMENT, 'primitive_poses', no_pose),
-                                     (Status.INVALID_ARGUMENT, 'mesh_poses', unplaced),
-                                     (Status.INVALID_ARGUMENT, 'meshes[0]: is not closed', open_mesh),
-                                     (Status.INVALID_ARGUMENT, 'names vertex 4 of 4', far_index),
-                                     (Status.INVALID_ARGUMENT, 'vertex 0', nan_vertex),
-                                     (Status.OUT_OF_RANGE, 'at most 200000', large),
-                                     (Status.UNAVAILABLE, 'no_such_frame', framed),
-                                     (Status.INVALID_ARGUMENT, 'friction', rough),
-                                     (Status.OUT_OF_RANGE, 'dimensions', box('bad', size=(0.1, -0.1, 0.1))),
-                                     (Status.INVALID_ARGUMENT, '', box('bad', size=(0.1, 0.0, 0.1))),
-                                     (Status.INVALID_ARGUMENT, 'shape', Obstacle(name='bad')),
-                                     (Status.INVALID_ARGUMENT, 'letter', box('bad name'))):
-            with self.subTest(word=word):
-                self.refuse(code, word, lambda o=obstacle: self.sim.add_obstacle(o))
-
     # --- states and scenes ---
 
     def test_a_state_is_restored_to_the_bit(self):
@@ -308,6 +217,17 @@ class Services(unittest.TestCase):
             with self.subTest(word=word):
                 self.refuse(code, word, lambda s=state: self.sim.set_state(s))
         self.refuse(Status.NOT_FOUND, 'sheet', lambda: self.sim.get_state('nobody'))
+
+    def test_states_that_cross_are_refused_with_the_pair(self):
+        scene = ('bodies:\n  - cloth: {name: sheet, touches: others, pins: [corner_0]}\n'
+                 '  - cloth: {name: line, cells: [19, 17], touches: others, pose: {position: [0, 0, 0.1]}, pins: [corner_0]}\n')
+        self.assertEqual(self.sim.load_scene(yaml=scene).status.code, Status.OK)
+        state = self.sim.state('line')
+        turned = [0.0] * len(state.positions)
+        for i in range(0, len(turned), 3):  # upright, through the sheet
+            turned[i:i + 3] = [0.003 + state.positions[i], 0.004, state.positions[i + 1]]
+        state.positions = turned
+        self.refuse(Status.INVALID_ARGUMENT, "'sheet' and 'line' cross near", lambda: self.sim.set_state(state))
 
     def test_bad_scenes_leave_the_running_one(self):
         text = open(self.scene).read()

@@ -4,11 +4,13 @@ import threading
 import time
 
 import rospy
+from geometry_msgs.msg import Pose
+from shape_msgs.msg import SolidPrimitive
 from std_srvs.srv import SetBool, Trigger
 
-from deformable_sim.msg import GraspSelection, GraspStateArray, SimStatus, Status
-from deformable_sim.srv import (AddObstacle, GetState, Grasp, LoadScene, MoveGrasp, Release, RemoveObstacle, SetState,
-                                Step)
+from deformable_sim.msg import GraspSelection, GraspStateArray, Obstacle, SimStatus, Status
+from deformable_sim.srv import (AddObstacle, GetDistance, GetState, Grasp, LetThrough, LoadScene, MoveGrasp, Release,
+                                RemoveObstacle, SetState, Step)
 
 DEADLINE = 20.0  # s, wall: only ever reached by a failure
 
@@ -63,6 +65,8 @@ class Simulation:
         self.load_scene = self._service('load_scene', LoadScene)
         self.add_obstacle = self._service('add_obstacle', AddObstacle)
         self.remove_obstacle = self._service('remove_obstacle', RemoveObstacle)
+        self.let_through = self._service('let_through', LetThrough)
+        self.get_distance = self._service('get_distance', GetDistance)
         self.get_state = self._service('get_state', GetState)
         self.set_state = self._service('set_state', SetState)
 
@@ -107,6 +111,25 @@ class Simulation:
                 [line for line in self.describe().message.splitlines() if line.startswith('obstacle: ')])
 
 
+class Refusals:
+    """Of a test case that has the node as `sim`."""
+
+    def refuse(self, code, word, call):
+        """`call` is answered with `code`, a message that has `word` in it, and an unchanged world."""
+        before = self.sim.everything()
+        answer = call()
+        self.assertEqual(answer.status.code, code, answer.status.message)
+        self.assertIn(word, answer.status.message)
+        self.assertEqual(before, self.sim.everything())
+
+
+def box(name, z=0.5, size=(0.1, 0.1, 0.1)):
+    pose = Pose()
+    pose.position.x, pose.position.z, pose.orientation.w = 3.0, z, 1.0
+    return Obstacle(name=name, primitives=[SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(size))],
+                    primitive_poses=[pose], friction=0.5)
+
+
 def feature(name):
     return GraspSelection(method=GraspSelection.FEATURE, feature=name)
 
@@ -123,5 +146,5 @@ def node_position(state, node):
     return state.positions[3 * node:3 * node + 3]
 
 
-__all__ = ['DEADLINE', 'GraspSelection', 'GraspStateArray', 'Listener', 'SimStatus', 'Simulation', 'Status', 'feature',
-           'nearest', 'node_position', 'wait_until']
+__all__ = ['DEADLINE', 'GraspSelection', 'GraspStateArray', 'Listener', 'Refusals', 'SimStatus', 'Simulation', 'Status', 'box',
+           'feature', 'nearest', 'node_position', 'wait_until']

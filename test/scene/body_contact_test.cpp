@@ -89,10 +89,11 @@ TEST_P(FoldedTwice, ATowelKeepsFourLayersInOrder) {
   }
   EXPECT_GE(whole, 20);  // points 13 mm apart: 34 cm^2 or more of four layers
   EXPECT_LT(f.world->snapshot().bodies[0].kinetic_energy, 1e-5);
-  // Where the two creases cross, four layers bend twice within a cell: there alone a thread may be stretched further.
+  // Where the two creases cross, four layers bend twice within a cell: within three cells of there, and nowhere else, a
+  // thread that friction holds around them may be stretched further.
   const Nodes& rest = f.world->model().bodies[0].surface->rest;
   for (const StrainEdge& e : f.world->model().bodies[0].strain_edges) {
-    if (rest.col(e.node[0]).cwiseAbs().maxCoeff() < 0.06) continue;
+    if (rest.col(e.node[0]).cwiseAbs().maxCoeff() < 0.08) continue;
     EXPECT_LT((x.col(e.node[0]) - x.col(e.node[1])).norm(), 1.04 * e.rest_length) << e.node[0];
   }
 }
@@ -190,7 +191,7 @@ TEST(BodyContact, RefusesWhatCrossesAtTheStartAndPathsThatAreNone) {
   - cloth: {name: a, touches: others, cells: [4, 4], pose: {position: [0.01, 0.02, 0]}}
   - cloth: {name: b, touches: others, cells: [4, 4], pose: {rpy: [1.2, 0.1, 0]}}
 )")
-                .find("'a' and 'b' cross near ("),
+                .find("s.yaml:3: bodies[1]: 'a' and 'b' cross near ("),
             0u);
   EXPECT_EQ(refusal("bodies:\n  - cloth: {name: a, touches: some}\n").find("s.yaml:2: bodies[0].cloth.touches"), 0u);
   EXPECT_EQ(refusal(rope + "path: [[0, 0, 0]]}\n").find("s.yaml:2: bodies[0].rope.path: needs two points"), 0u);

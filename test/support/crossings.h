@@ -62,18 +62,18 @@ inline int count_passages(const Model& model, const Nodes& before, const Nodes& 
       const double apart = (before.col(a) - before.col(c)).norm();
       const double longest = (before.col(b) - before.col(a)).norm() + (before.col(d) - before.col(c)).norm();
       if (apart > longest + 2.0 * furthest) continue;
-      double last = 0.0;
-      for (int k = 0; k <= kParts; ++k) {
-        const auto at = [&, t = static_cast<double>(k) / kParts](int node) -> Vec3 {
-          return (1.0 - t) * before.col(node) + t * after.col(node);
-        };
-        const double volume = (at(b) - at(a)).cross(at(d) - at(c)).dot(at(c) - at(a));
-        const double way = furthest / kParts;
-        if (k > 0 && volume * last < 0.0 &&
-            closest_segment_segment(at(a), at(b), at(c), at(d)).apart.norm() < 2.0 * way) {
-          ++count;
+      const auto at = [&](int node, double t) -> Vec3 { return (1.0 - t) * before.col(node) + t * after.col(node); };
+      const auto volume = [&, a = a, b = b, c = c, d = d](double t) {
+        return (at(b, t) - at(a, t)).cross(at(d, t) - at(c, t)).dot(at(c, t) - at(a, t));
+      };
+      for (int k = 0; k < kParts; ++k) {
+        double from = static_cast<double>(k) / kParts, to = static_cast<double>(k + 1) / kParts;
+        if (volume(from) * volume(to) >= 0.0) continue;
+        for (int halving = 0; halving < 50; ++halving) {
+          const double middle = 0.5 * (from + to);
+          (volume(from) * volume(middle) <= 0.0 ? to : from) = middle;
         }
-        last = volume;
+        if (closest_segment_segment(at(a, to), at(b, to), at(c, to), at(d, to)).apart.norm() < 1e-7) ++count;
       }
     }
   }

@@ -4,9 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <random>
-#include <set>
-
-#include "deformable_sim/core/contact/box_tree.h"
 
 namespace deformable_sim {
 namespace {
@@ -76,49 +73,6 @@ TEST(ClosestPoints, KnowPiecesWithoutAreaOrLengthAndParallelOnes) {
   const ClosestPoints c = closest_segment_segment(Vec3(0, 0, 1), Vec3(4, 0, 1), Vec3(3, 0, 0), Vec3(1, 0, 0));
   EXPECT_NEAR(c.weight[1], 0.5, 1e-12);
   EXPECT_NEAR(c.weight[3], 0.5, 1e-12);
-}
-
-TEST(BoxTree, VisitsEveryTwoPiecesWhoseBoxesOverlapOnce) {
-  Points random;
-  for (const int count : {1, 2, 7, 150}) {
-    std::vector<Vec3> centers(static_cast<size_t>(count));
-    for (Vec3& c : centers) c = random();
-    BoxTree tree(centers);
-    for (int round = 0; round < 3; ++round) {
-      std::vector<BoxTree::Box> boxes(centers.size());
-      for (int i = 0; i < count; ++i) {
-        BoxTree::Box& box = boxes[static_cast<size_t>(i)];
-        box.setEmpty();
-        extend(centers[static_cast<size_t>(i)] + 0.3 * round * random(), 0.15 * random.share(), &box);
-        tree.box_of(i) = box;
-      }
-      tree.refit();
-      std::set<std::pair<int, int>> found;
-      tree.for_each_pair([&](int i, int j) {
-        EXPECT_TRUE(found.insert({std::min(i, j), std::max(i, j)}).second) << i << " " << j;
-      });
-      for (int i = 0; i < count; ++i) {
-        for (int j = 0; j < i; ++j) {
-          const bool meet = boxes[static_cast<size_t>(i)].intersects(boxes[static_cast<size_t>(j)]);
-          EXPECT_EQ(found.count({j, i}) == 1, meet) << i << " " << j;
-        }
-      }
-    }
-  }
-}
-
-TEST(BoxTree, RoundsOutwards) {
-  Points random;
-  for (int k = 0; k < 1000; ++k) {
-    const Vec3 p = 1e3 * random();
-    BoxTree::Box box;
-    box.setEmpty();
-    extend(p, 1e-9, &box);
-    for (int d = 0; d < 3; ++d) {
-      EXPECT_LT(static_cast<double>(box.min()[d]), p[d] - 1e-9);
-      EXPECT_GT(static_cast<double>(box.max()[d]), p[d] + 1e-9);
-    }
-  }
 }
 
 }  // namespace

@@ -189,7 +189,7 @@ TEST_P(ColliderMeshOf, KeepsItsPaddingAsAShape) {
   shape.mesh = make_collider_meshes(mesh)[0];
   shape.size[0] = 0.004;
   SurfaceQuery query(shape);
-  EXPECT_EQ(query.concave_triangles(), GetParam().convex ? 0 : static_cast<int>(mesh.triangles.size()));
+  EXPECT_EQ(query.concave_pieces(), GetParam().convex ? 0 : static_cast<int>(mesh.triangles.size()));
   std::mt19937 random(15);
   for (int k = 0; k < 300; ++k) {
     const Pose pose = test::at(0.3, -0.2, 0.1, 3.0 * random_vector(&random).x(), random_vector(&random));

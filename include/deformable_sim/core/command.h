@@ -44,9 +44,15 @@ struct MoveCollider {
 struct RemoveCollider {
   std::string name;
 };
-/// Positions and velocities of one body, exact. A rod with twist also has the angles and frames of its segments: given
-/// in `rod` as rod_state() wrote them, exact as well; left out, the angles stay and the frames are carried along to the
-/// new positions without spin.
+/// The bodies that the collider does not touch from now on; none: it touches all. Where one is in it then, it is let
+/// out softly.
+struct LetThrough {
+  std::string name;
+  std::vector<std::string> bodies;
+};
+/// Positions and velocities of one body, exact. Refused where the body would cross itself or another that it may touch.
+/// A rod with twist also has the angles and frames of its segments: given in `rod` as rod_state() wrote them, exact as
+/// well; left out, the angles stay and the frames are carried along to the new positions without spin.
 struct SetBodyState {
   std::string body;
   Nodes x, v;
@@ -57,9 +63,9 @@ struct Reset {};
 
 }  // namespace command
 
-using Command =
-    std::variant<command::Grasp, command::MoveGrasp, command::SetGraspWaiting, command::Release, command::AddCollider,
-                 command::MoveCollider, command::RemoveCollider, command::SetBodyState, command::Reset>;
+using Command = std::variant<command::Grasp, command::MoveGrasp, command::SetGraspWaiting, command::Release,
+                             command::AddCollider, command::MoveCollider, command::RemoveCollider, command::LetThrough,
+                             command::SetBodyState, command::Reset>;
 
 struct Reply {
   Status status;

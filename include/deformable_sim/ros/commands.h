@@ -59,6 +59,7 @@ class Services {
   void step(const msg::StepRequest& request, msg::StepResponse* response);
   void load(const msg::LoadSceneRequest& request);
   void get_state(const msg::GetStateRequest& request, msg::GetStateResponse* response);
+  void get_distance(const msg::GetDistanceRequest& request, msg::GetDistanceResponse* response);
   void set_state(const msg::SetStateRequest& request, msg::SetStateResponse* response);
   Reply add_obstacle(const msg::AddObstacleRequest& request);
 

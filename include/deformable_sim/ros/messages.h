@@ -8,10 +8,12 @@
 #include <deformable_sim/AddObstacle.h>
 #include <deformable_sim/BodyMesh.h>
 #include <deformable_sim/ContactArray.h>
+#include <deformable_sim/GetDistance.h>
 #include <deformable_sim/GetState.h>
 #include <deformable_sim/Grasp.h>
 #include <deformable_sim/GraspCommand.h>
 #include <deformable_sim/GraspStateArray.h>
+#include <deformable_sim/LetThrough.h>
 #include <deformable_sim/LoadScene.h>
 #include <deformable_sim/MoveGrasp.h>
 #include <deformable_sim/Release.h>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -205,6 +206,7 @@ struct RobotSpec {
   std::vector<std::string> exclude;  // of those
   double padding = 0.0;              // m, by which every shape is larger than it is in the URDF
   double friction = 0.5;
+  std::map<std::string, std::vector<std::string>> lets_through;  // bodies that a link does not touch
 };
 
 struct AirSpec {

@@ -10,6 +10,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "deformable_sim/core/contact/grid_cache.h"
+#include "piece_planes.h"
 
 namespace deformable_sim {
 namespace {
@@ -22,10 +23,6 @@ constexpr double kConvexSlack = 1e-6;
 /// Pairs of face and vertex that are looked at to see whether a solid is convex; a larger one counts as not convex,
 /// which costs time only.
 constexpr double kMostConvexPairs = 4e8;
-/// How much of the room between a plane and the point above it a triangle may take up and still be left out.
-constexpr double kCoveredShare = 0.5;
-/// Height above the surface, as a share of the clearance, from which the planes of a point inside are taken.
-constexpr double kExitShare = 0.25;
 
 double angle_at(const Vec3& corner, const Vec3& a, const Vec3& b) {
   const Vec3 u = a - corner, v = b - corner;
@@ -164,43 +161,24 @@ void ColliderMesh::gather(const Vec3& p, double reach, double clearance, double 
                           std::vector<TrianglePoint>* work, std::vector<MeshPoint>* planes) const {
   work->clear();
   tree_.within(p, reach + padding, work);
-  std::sort(work->begin(), work->end(), [](const TrianglePoint& a, const TrianglePoint& b) {
-    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.triangle < b.triangle;
-  });
-  const size_t first = planes->size();
-  for (const TrianglePoint& candidate : *work) {
-    bool covered = false;
-    for (size_t k = first; k < planes->size() && !covered; ++k) {
-      const MeshPoint& by = (*planes)[k];
-      const double room = kCoveredShare * std::min(by.distance - padding, clearance);
-      covered = height_above(p, by, candidate.triangle) <= std::max(room, least_);
-    }
-    if (covered) continue;
-    // From in front of a triangle or from behind, the plane has it below and p above.
-    MeshPoint plane = at(p, candidate);
+  const auto number_of = [](const TrianglePoint& c) { return c.triangle; };
+  const auto height = [&](const MeshPoint& by, const TrianglePoint& c) { return height_above(p, by, c.triangle); };
+  // From in front of a triangle or from behind, the plane has it below and p above.
+  const auto facing = [&](const TrianglePoint& c) {
+    MeshPoint plane = at(p, c);
     if (plane.distance < -least_) plane.normal = -plane.normal;
     plane.distance = std::abs(plane.distance);
-    planes->push_back(plane);
-  }
-  for (size_t k = first; k < planes->size(); ++k) (*planes)[k].distance -= padding;
-  std::sort(planes->begin() + static_cast<std::ptrdiff_t>(first), planes->end(),
-            [](const MeshPoint& a, const MeshPoint& b) { return a.triangle < b.triangle; });
+    return plane;
+  };
+  gather_planes({clearance, padding, least_}, number_of, facing, height, work, planes);
 }
 
 void ColliderMesh::planes(const Vec3& p, const MeshPoint& surface, double reach, double clearance, double padding,
                           std::vector<TrianglePoint>* work, std::vector<MeshPoint>* planes) const {
-  if (surface.distance > 0.0) return gather(p, reach, clearance, padding, work, planes);
-  const double rise = std::max(kExitShare * clearance, 10.0 * least_) - surface.distance;
-  const Vec3 above = p + rise * surface.normal;
-  MeshPoint there;
-  if (!exact(above, padding + rise + reach, &there) || there.distance <= padding) {
-    planes->push_back(surface);
-    planes->back().triangle = std::max(0, surface.triangle);
-    return;
-  }
-  const size_t first = planes->size();
-  gather(above, reach + rise, clearance, padding, work, planes);
-  for (size_t k = first; k < planes->size(); ++k) (*planes)[k].distance += (*planes)[k].normal.dot(p - above);
+  planes_at(
+      p, surface, reach, {clearance, padding, least_},
+      [this](const Vec3& from, double within, MeshPoint* found) { return exact(from, within, found); },
+      [&](const Vec3& from, double within) { gather(from, within, clearance, padding, work, planes); }, planes);
 }
 
 std::vector<std::shared_ptr<const ColliderMesh>> make_collider_meshes(const TriangleMesh& mesh,

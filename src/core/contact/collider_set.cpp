@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "deformable_sim/core/contact/surface_query.h"
 #include "deformable_sim/core/error.h"
@@ -24,6 +25,8 @@ std::string shape_name(Shape::Type type) {
       return "cone";
     case Shape::Type::kMesh:
       return "mesh";
+    case Shape::Type::kVoxels:
+      return "octomap";
     case Shape::Type::kPlane:
       break;
   }
@@ -44,6 +47,7 @@ int size_count(Shape::Type type) {
       return 2;
     case Shape::Type::kMesh:
       return 1;
+    case Shape::Type::kVoxels:
     case Shape::Type::kPlane:
       break;
   }
@@ -83,7 +87,12 @@ void check_collider(const Collider& collider) {
         throw InputError(who + "sizes of its " + shape_name(s.type) + " must be > 0 and at most 1e6 m");
     }
     if (s.type == Shape::Type::kMesh && !s.mesh) throw InputError(who + "its mesh has no triangles");
+    if (s.type == Shape::Type::kVoxels && !s.voxels) throw InputError(who + "its octomap has no occupied space");
   }
+}
+
+bool lets_through(const Collider& collider, const std::string& body) {
+  return std::find(collider.lets_through.begin(), collider.lets_through.end(), body) != collider.lets_through.end();
 }
 
 void ColliderSet::add(const Collider& collider) {
@@ -111,6 +120,10 @@ void ColliderSet::remove(const std::string& name) {
   colliders_.erase(colliders_.begin() + i);
   motions_.erase(motions_.begin() + i);
   levers_.erase(levers_.begin() + i);
+}
+
+void ColliderSet::let_through(const std::string& name, std::vector<std::string> bodies) {
+  colliders_[find(name)].lets_through = std::move(bodies);
 }
 
 std::string ColliderSet::move(const std::string& name, const Pose& target, double duration, double dt) {

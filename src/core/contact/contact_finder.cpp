@@ -46,12 +46,18 @@ void ContactFinder::set_colliders(const std::vector<Collider>& colliders) {
   forget_sides();
   for (int c = 0; c < static_cast<int>(colliders.size()); ++c) {
     const Collider& collider = colliders[static_cast<size_t>(c)];
-    for (const Shape& s : collider.shapes) shapes_.emplace_back(s, c, collider);
+    std::vector<char> through;
+    if (!collider.lets_through.empty())
+      for (const Body& body : model_->bodies) through.push_back(lets_through(collider, body.name) ? 1 : 0);
+    for (const Shape& s : collider.shapes) {
+      shapes_.emplace_back(s, c, collider);
+      shapes_.back().lets_through = through;
+    }
   }
   std::int64_t key = 0;
   for (PlacedShape& shape : shapes_) {
     shape.first_key = key;
-    shape.keys_per_point = std::max(1, shape.query.concave_triangles());
+    shape.keys_per_point = std::max(1, shape.query.concave_pieces());
     key += shape.keys_per_point * point_count();
   }
 }
@@ -99,6 +105,18 @@ void ContactFinder::place_points(const std::vector<ContactPoint>& points, const 
   }
 }
 
+/// `placed`, or a copy in which the points of bodies that the shape lets through are not active.
+const std::vector<ContactFinder::Point>& ContactFinder::stopped(const PlacedShape& shape,
+                                                                const std::vector<ContactPoint>& points,
+                                                                const std::vector<Point>& placed,
+                                                                std::vector<Point>* kept) const {
+  if (shape.lets_through.empty()) return placed;
+  *kept = placed;
+  for (size_t i = 0; i < points.size(); ++i)
+    if (shape.lets_through[static_cast<size_t>(points[i].body)] != 0) (*kept)[i].active = false;
+  return *kept;
+}
+
 void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>& poses,
                          const std::vector<NodeRole>& roles, double extra_reach, ContactConstraints* contacts) {
   std::swap(planes_, last_planes_);
@@ -117,19 +135,21 @@ void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>&
     PlacedShape& shape = shapes_[static_cast<size_t>(k)];
     const PoseStep& pose = poses[static_cast<size_t>(shape.collider)];
     place_shape(&shape, pose);
+    const std::vector<Point>& placed = stopped(shape, points_, placed_, &stopped_);
+    const std::vector<Point>& placed_between = stopped(shape, between_, placed_between_, &stopped_between_);
     const size_t first_contact = contacts->size();
     const std::int64_t between_key = shape.first_key + shape.keys_per_point * static_cast<std::int64_t>(points_.size());
     if (shape.keys_per_point > 1) {
-      find_on_shape<true>(k, points_, blocks_, placed_, shape.first_key, pose, dt, contacts);
-      find_on_shape<true>(k, between_, between_blocks_, placed_between_, between_key, pose, dt, contacts);
+      find_on_shape<true>(k, points_, blocks_, placed, shape.first_key, pose, dt, contacts);
+      find_on_shape<true>(k, between_, between_blocks_, placed_between, between_key, pose, dt, contacts);
       continue;
     }
-    find_on_shape<false>(k, points_, blocks_, placed_, shape.first_key, pose, dt, contacts);
+    find_on_shape<false>(k, points_, blocks_, placed, shape.first_key, pose, dt, contacts);
     if (between_.empty()) continue;
     for (size_t c = first_contact; c < contacts->size(); ++c)
       contact_of_node_[static_cast<size_t>((*contacts)[c].node[0])] = static_cast<int>(c);
     const size_t node_contacts = contacts->size();
-    find_on_shape<false>(k, between_, between_blocks_, placed_between_, between_key, pose, dt, contacts);
+    find_on_shape<false>(k, between_, between_blocks_, placed_between, between_key, pose, dt, contacts);
     for (size_t c = first_contact; c < node_contacts; ++c)
       contact_of_node_[static_cast<size_t>((*contacts)[c].node[0])] = -1;
   }
@@ -323,6 +343,7 @@ double ContactFinder::missed_motion(const Nodes& before, const Nodes& after) {
     const double near = model_->bodies[static_cast<size_t>(points_[i].body)].contact_radius + moved;
     SurfacePoint surface;
     for (PlacedShape& shape : shapes_) {
+      if (!shape.lets_through.empty() && shape.lets_through[static_cast<size_t>(points_[i].body)] != 0) continue;
       if (shape.query.bounded() ? shape.swept.squaredExteriorDistance(end) < near * near
                                 : shape.query.find(end, near + motion_at(shape.end_from_begin, end).norm(), &surface))
         missed = excess;
@@ -381,7 +402,9 @@ double measure_penetration(const Model& model, const std::vector<Collider>& coll
       query.place(collider.world_from_collider * s.collider_from_shape);
       SurfacePoint surface;
       for (const ContactPoint& point : points)
-        if (query.find(position(point, x), 0.0, &surface)) deepest = std::max(deepest, -surface.distance);
+        if (!lets_through(collider, model.bodies[static_cast<size_t>(point.body)].name) &&
+            query.find(position(point, x), 0.0, &surface))
+          deepest = std::max(deepest, -surface.distance);
     }
   }
   return deepest;

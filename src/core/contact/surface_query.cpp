@@ -14,12 +14,13 @@
 
 #include "deformable_sim/core/contact/collider_mesh.h"
 #include "deformable_sim/core/contact/cone_distance.h"
+#include "deformable_sim/core/contact/voxel_solid.h"
 
 namespace deformable_sim {
 namespace {
 
 // A plane is an fcl::Halfspace (solid below) and never part of an FCL broad phase, which such a shape crashes.
-// Cones and meshes are answered for without FCL's narrow phase, which is wrong about them.
+// Cones, meshes and voxels are answered for without FCL's narrow phase, which is wrong about them.
 struct Cone {
   double radius, length;
 };
@@ -27,7 +28,11 @@ struct Mesh {
   std::shared_ptr<const ColliderMesh> mesh;
   double padding;
 };
-using Geometry = std::variant<fcl::Boxd, fcl::Sphered, fcl::Cylinderd, fcl::Capsuled, fcl::Halfspaced, Cone, Mesh>;
+struct Voxels {
+  std::shared_ptr<const VoxelSolid> solid;
+};
+using Geometry =
+    std::variant<fcl::Boxd, fcl::Sphered, fcl::Cylinderd, fcl::Capsuled, fcl::Halfspaced, Cone, Mesh, Voxels>;
 
 Geometry make_geometry(const Shape& shape) {
   switch (shape.type) {
@@ -43,6 +48,8 @@ Geometry make_geometry(const Shape& shape) {
       return Cone{shape.size[0], shape.size[1]};
     case Shape::Type::kMesh:
       return Mesh{shape.mesh, shape.size[0]};
+    case Shape::Type::kVoxels:
+      return Voxels{shape.voxels};
     case Shape::Type::kPlane:
       break;
   }
@@ -65,6 +72,7 @@ Vec3 half_extent(const Shape& shape, const Mat3& r) {
     case Shape::Type::kPlane:
     case Shape::Type::kCone:
     case Shape::Type::kMesh:
+    case Shape::Type::kVoxels:
       break;
   }
   return Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -79,11 +87,10 @@ Eigen::AlignedBox3d cone_box(const Shape& cone, const Pose& pose) {
   return box.extend(pose.translation() + 0.5 * cone.size[1] * axis);
 }
 
-/// Around the turned box of the mesh: tight as long as it is not turned.
-Eigen::AlignedBox3d mesh_box(const Mesh& mesh, const Pose& pose) {
-  const Eigen::AlignedBox3d& box = mesh.mesh->box();
+/// Around the turned box of a mesh or of voxels: tight as long as it is not turned.
+Eigen::AlignedBox3d turned_box(const Eigen::AlignedBox3d& box, double padding, const Pose& pose) {
   const Vec3 center = pose * box.center();
-  const Vec3 half = pose.linear().cwiseAbs() * (0.5 * box.sizes()) + Vec3::Constant(mesh.padding);
+  const Vec3 half = pose.linear().cwiseAbs() * (0.5 * box.sizes()) + Vec3::Constant(padding);
   return Eigen::AlignedBox3d(center - half, center + half);
 }
 
@@ -103,6 +110,8 @@ double bounding_radius(const Shape& shape) {
       return std::hypot(shape.size[0], 0.5 * shape.size[1]);
     case Shape::Type::kMesh:
       return shape.mesh->bounding_radius() + shape.size[0];
+    case Shape::Type::kVoxels:
+      return shape.voxels->bounding_radius();
     case Shape::Type::kPlane:
       break;
   }
@@ -121,6 +130,7 @@ struct SurfaceQuery::Kernel {
   std::vector<fcl::ContactPointd> contacts;
   fcl::detail::GJKSolver_libccdd solver;
   std::vector<TrianglePoint> triangles;
+  std::vector<SquarePoint> squares;
   std::vector<MeshPoint> mesh_planes;
   std::vector<SurfacePlane> planes;
 
@@ -134,6 +144,14 @@ struct SurfaceQuery::Kernel {
     const Vec3 p = world_from_shape.inverse() * world_from_point.translation();
     if (!mesh.mesh->nearest(p, reach + mesh.padding, &nearest)) return false;
     found->distance = nearest.distance - mesh.padding;
+    found->normal = world_from_shape.linear() * nearest.normal;
+    return true;
+  }
+  bool find(const Voxels& voxels, double reach, SurfacePoint* found) {
+    MeshPoint nearest;
+    if (!voxels.solid->nearest(world_from_shape.inverse() * world_from_point.translation(), reach, &nearest))
+      return false;
+    found->distance = nearest.distance;
     found->normal = world_from_shape.linear() * nearest.normal;
     return true;
   }
@@ -162,7 +180,11 @@ void SurfaceQuery::place(const Pose& world_from_shape) {
   Kernel& k = *kernel_;
   k.world_from_shape = world_from_shape;
   if (const auto* mesh = std::get_if<Mesh>(&k.geometry)) {
-    k.box = mesh_box(*mesh, world_from_shape);
+    k.box = turned_box(mesh->mesh->box(), mesh->padding, world_from_shape);
+    return;
+  }
+  if (const auto* voxels = std::get_if<Voxels>(&k.geometry)) {
+    k.box = turned_box(voxels->solid->box(), 0.0, world_from_shape);
     return;
   }
   if (k.shape.type == Shape::Type::kCone) {
@@ -180,7 +202,9 @@ bool SurfaceQuery::find(const Vec3& p, double reach, SurfacePoint* found) {
   return std::visit([&](const auto& geometry) { return k.find(geometry, reach, found); }, k.geometry);
 }
 
-int SurfaceQuery::concave_triangles() const {
+int SurfaceQuery::concave_pieces() const {
+  if (const auto* voxels = std::get_if<Voxels>(&kernel_->geometry))
+    return static_cast<int>(voxels->solid->squares().size());
   const auto* mesh = std::get_if<Mesh>(&kernel_->geometry);
   return mesh && !mesh->mesh->convex() ? static_cast<int>(mesh->mesh->triangles().size()) : 0;
 }
@@ -188,15 +212,19 @@ int SurfaceQuery::concave_triangles() const {
 const std::vector<SurfacePlane>& SurfaceQuery::planes(const Vec3& p, const SurfacePoint& nearest, double reach,
                                                       double clearance) {
   Kernel& k = *kernel_;
-  const Mesh& mesh = std::get<Mesh>(k.geometry);
   const Mat3 shape_from_world = k.world_from_shape.linear().transpose();
   MeshPoint surface;
   surface.distance = nearest.distance;
   surface.normal = shape_from_world * nearest.normal;
   k.mesh_planes.clear();
   k.planes.clear();
-  mesh.mesh->planes(k.world_from_shape.inverse() * p, surface, reach, clearance, mesh.padding, &k.triangles,
-                    &k.mesh_planes);
+  const Vec3 in_shape = k.world_from_shape.inverse() * p;
+  if (const auto* voxels = std::get_if<Voxels>(&k.geometry)) {
+    voxels->solid->planes(in_shape, surface, reach, clearance, &k.squares, &k.mesh_planes);
+  } else {
+    const Mesh& mesh = std::get<Mesh>(k.geometry);
+    mesh.mesh->planes(in_shape, surface, reach, clearance, mesh.padding, &k.triangles, &k.mesh_planes);
+  }
   for (const MeshPoint& plane : k.mesh_planes)
     k.planes.push_back({{plane.distance, k.world_from_shape.linear() * plane.normal}, plane.triangle});
   return k.planes;

@@ -24,6 +24,8 @@ class ColliderSet {
   void add(const Collider& collider);
   /// Throws InputError (kNotFound) naming those that exist.
   void remove(const std::string& name);
+  /// Throws InputError (kNotFound).
+  void let_through(const std::string& name, std::vector<std::string> bodies);
   /// Throws InputError. Returns a note when max_speed does not allow that duration (or one step of dt); otherwise
   /// empty.
   std::string move(const std::string& name, const Pose& target, double duration, double dt);

@@ -81,8 +81,9 @@ class ContactFinder {
     int collider;
     double friction;
     std::int64_t first_key = 0;
-    std::int64_t keys_per_point = 1;         // triangles of a mesh that is not convex
+    std::int64_t keys_per_point = 1;         // pieces of a mesh that is not convex, of voxels
     bool attached;                           // to a frame
+    std::vector<char> lets_through;          // of each body, whether it is let through; empty: none is
     Pose end_from_begin = Pose::Identity();  // the collider's motion in this step, in world axes
     bool moves = false;
     double travel = 0.0;        // m, upper bound for its surface
@@ -106,6 +107,8 @@ class ContactFinder {
   void place_shape(PlacedShape* shape, const PoseStep& pose) const;
   void place_points(const std::vector<ContactPoint>& points, const State& s, const std::vector<NodeRole>& roles,
                     std::vector<Point>* placed) const;
+  const std::vector<Point>& stopped(const PlacedShape& shape, const std::vector<ContactPoint>& points,
+                                    const std::vector<Point>& placed, std::vector<Point>* kept) const;
   template <bool kConcave>
   void find_on_shape(int shape, const std::vector<ContactPoint>& points, const std::vector<PointBlock>& blocks,
                      const std::vector<Point>& placed, std::int64_t first_key, const PoseStep& pose, double dt,
@@ -129,6 +132,7 @@ class ContactFinder {
   std::vector<PointBlock> blocks_, between_blocks_;
   std::vector<PlacedShape> shapes_;
   std::vector<Point> placed_, placed_between_;
+  std::vector<Point> stopped_, stopped_between_;  // of shapes that let some bodies through
   std::vector<double> node_reach_;
   std::vector<int> contact_of_node_;  // index of the node's plane on the shape at hand, or -1
   std::vector<Plane> planes_, last_planes_;

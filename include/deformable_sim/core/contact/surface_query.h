@@ -13,7 +13,7 @@ struct SurfacePoint {
   Vec3 normal = Vec3::UnitZ();  // unit, out of the shape; nearest surface point = p - distance * normal
 };
 
-/// A plane of a mesh, and the number of the triangle it is for.
+/// A plane of a mesh or of voxels, and the number of the triangle or square it is for.
 struct SurfacePlane {
   SurfacePoint surface;
   int triangle = 0;
@@ -21,7 +21,7 @@ struct SurfacePlane {
 
 /// One placed shape. The distance to a primitive comes from FCL's closed-form sphere kernels: a sphere of radius
 /// `reach` around the point overlaps the shape by `depth`, so distance = reach - depth, exact inside and out. That to a
-/// cone (cone_distance.h) and to a mesh (collider_mesh.h) is exact too.
+/// cone (cone_distance.h), to a mesh (collider_mesh.h) and to voxels (voxel_solid.h) is exact too.
 /// Not for concurrent use: it reuses its work space.
 class SurfaceQuery {
  public:
@@ -35,10 +35,10 @@ class SurfaceQuery {
   /// capsule, where no direction is nearest, the normal is the shape's +x.
   bool find(const Vec3& p, double reach, SurfacePoint* found);
 
-  /// Some number for a mesh that is not convex: a point needs planes() there, one for each triangle at most; 0 where
-  /// the tangent plane at the nearest point separates.
-  int concave_triangles() const;
-  /// Of such a mesh: planes that together keep p from entering it, in the order of their triangles. `nearest` is what
+  /// Triangles of a mesh that is not convex, squares of voxels: a point needs planes() there, one for each at most; 0
+  /// where the tangent plane at the nearest point separates.
+  int concave_pieces() const;
+  /// Of such a shape: planes that together keep p from entering it, in the order of their pieces. `nearest` is what
   /// find() told, or another surface point that p, inside, is to come out at. `clearance` (m): how far p is kept from
   /// the surface. Valid until the next call.
   const std::vector<SurfacePlane>& planes(const Vec3& p, const SurfacePoint& nearest, double reach, double clearance);

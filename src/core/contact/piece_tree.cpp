@@ -1,21 +1,19 @@
-#include "deformable_sim/core/contact/box_tree.h"
+#include "deformable_sim/core/contact/piece_tree.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace deformable_sim {
 
-BoxTree::BoxTree(const std::vector<Vec3>& centers) : piece_(centers.size()), leaf_(centers.size()) {
+PieceTree::PieceTree(const std::vector<Vec3>& centers) : piece_(centers.size()), leaf_(centers.size()) {
   std::iota(piece_.begin(), piece_.end(), 0);
   nodes_.reserve(2 * centers.size());
   if (!centers.empty()) build(centers, 0, piece_count());
-  box_.resize(nodes_.size());
+  slabs_.resize(nodes_.size());
   stack_.reserve(1024);
 }
 
-int BoxTree::build(const std::vector<Vec3>& centers, int first, int last) {
+int PieceTree::build(const std::vector<Vec3>& centers, int first, int last) {
   const auto index = static_cast<int>(nodes_.size());
   nodes_.emplace_back();
   nodes_.back().count = last - first;
@@ -40,22 +38,12 @@ int BoxTree::build(const std::vector<Vec3>& centers, int first, int last) {
   return index;
 }
 
-void BoxTree::refit() {
+void PieceTree::refit() {
   for (size_t k = nodes_.size(); k-- > 0;) {
     const Node& node = nodes_[k];
     if (node.left < 0) continue;
-    box_[k] = box_[static_cast<size_t>(node.left)].merged(box_[static_cast<size_t>(node.right)]);
-  }
-}
-
-void extend(const Vec3& p, double reach, BoxTree::Box* box) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  for (int d = 0; d < 3; ++d) {
-    // Rounding to single precision may go either way: one step further out.
-    const float low = std::nextafter(static_cast<float>(p[d] - reach), -kInfinity);
-    const float high = std::nextafter(static_cast<float>(p[d] + reach), kInfinity);
-    box->min()[d] = std::min(box->min()[d], low);
-    box->max()[d] = std::max(box->max()[d], high);
+    slabs_[k] = slabs_[static_cast<size_t>(node.left)];
+    slabs_[k].extend(slabs_[static_cast<size_t>(node.right)]);
   }
 }
 
