@@ -49,7 +49,7 @@ class Show {
 TEST(ContactScenes, FoldTwiceLeavesFourLayersInOrderAtRest) {
   // The quarters lie on one another as they were laid down; nothing moves by a millimetre a second.
   Show show("fold_twice");
-  ASSERT_NO_FATAL_FAILURE(show.run_to(6.0));
+  ASSERT_NO_FATAL_FAILURE(show.run_to(6.5));
   int whole = 0;
   for (double px = -0.25; px < 0.1; px += 0.013) {
     for (double py = -0.3; py < 0.1; py += 0.013) {
