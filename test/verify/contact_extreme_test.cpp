@@ -76,7 +76,8 @@ TEST_P(StackOnSphere, TenSheetsKeepTheirOrder) {
       }
     }
   }
-  EXPECT_LT(world->snapshot(SnapshotDetail::kMotion).max_penetration, 1e-4);
+  // A step is made again where a point ends more than half a millimetre too deep.
+  EXPECT_LT(world->snapshot(SnapshotDetail::kMotion).max_penetration, 5e-4);
 }
 
 TEST(RotatingSphere, CarriesAClothWithoutSlip) {
