@@ -55,12 +55,16 @@ Table<BodySpec> visual_table(BodyKind kind) {
 }
 
 void add_contact_points(Table<BodySpec>* table) {
-  table->add({"contact_points", "word", "", "nodes", "nodes, faces",
-              "What is held off colliders: nodes, or nodes and face centroids (for coarse meshes on small or sharp "
-              "colliders)."},
-             [](const YamlValue& v, const std::string& path, BodySpec* body) {
-               body->contact_at_faces = read_choice(v, path, {"nodes", "faces"}) == "faces";
-             });
+  table->add(
+      {"contact_points", "word", "", "nodes", "nodes, faces, anywhere",
+       "What is held off colliders: nodes; nodes, middles of edges and face centroids (coarse meshes on small or "
+       "sharp colliders); or nodes and the place of every edge and face that is nearest to the collider (pulled "
+       "over edges, lifted by corners and posts; convex shapes)."},
+      [](const YamlValue& v, const std::string& path, BodySpec* body) {
+        const std::string points = read_choice(v, path, {"nodes", "faces", "anywhere"});
+        body->contact_at_faces = points != "nodes";
+        body->contact_anywhere = points == "anywhere";
+      });
 }
 
 void add_common_keys(Table<BodySpec>* table, const std::string& contact_radius) {

@@ -208,6 +208,7 @@ void add_cloth(const BodySpec& spec, Body* body, Parts* parts) {
   append_triangles(mesh->triangles, body->first_node, &parts->sheet_triangles);
   place_nodes(mesh->rest, spec.pose.pose(), sheet_masses(*mesh, material.areal_density), body, parts);
   body->contact_at_faces = spec.contact_at_faces;
+  body->contact_anywhere = spec.contact_anywhere;
   body->contact_radius = spec.contact_radius.value_or(std::max(0.5 * material.thickness, kMinContactRadius));
   body->features = sheet_features(*mesh);
   body->surface = mesh;

@@ -177,6 +177,7 @@ void add_soft(const BodySpec& spec, Body* body, Parts* parts) {
     body->valid_strain = {-*spec.soft.material.elastic_limit, *spec.soft.material.elastic_limit};
   }
   body->contact_at_faces = spec.contact_at_faces;
+  body->contact_anywhere = spec.contact_anywhere;
   body->contact_radius = spec.contact_radius.value_or(kMinContactRadius);
   body->features = solid_features(*volume, spec.soft.box_size ? Corners::kOfBounds : Corners::kNone);
   body->volume = volume;

@@ -48,6 +48,7 @@ struct Body {
   std::shared_ptr<const Polyline> line;         // rope; body-local indices
   double contact_radius = 0.0;                  // m: distance kept between nodes and collider surfaces
   bool contact_at_faces = false;                // also hold face centroids / segment midpoints off colliders
+  bool contact_anywhere = false;  // those where edges and faces come nearest to a collider, not in the middle
   BodyContact touches = BodyContact::kNone;
   double friction = 0.5;
   double draw_radius = 0.0;  // m, rope tube

@@ -160,6 +160,7 @@ struct BodySpec {
   Location mesh_where;
   double mesh_scale = 1.0;        // file units to m
   bool contact_at_faces = false;  // also hold face centroids off colliders, not only nodes
+  bool contact_anywhere = false;  // and where edges and faces come nearest to them, in place of their middles
   VisualSpec visual;
 
   // cloth

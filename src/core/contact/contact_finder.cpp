@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "deformable_sim/core/contact/deepest_place.h"
+
 namespace deformable_sim {
 namespace {
 
@@ -98,6 +100,8 @@ void ContactFinder::place_points(const std::vector<ContactPoint>& points, const 
       out.active = out.active || roles[node] != NodeRole::kHeld;
       out.beside_held = out.beside_held && roles[node] != NodeRole::kFree;
     }
+    if (point.count > 1 && model_->bodies[static_cast<size_t>(point.body)].contact_anywhere)
+      out.reach += extent_of(point, out.p, s.x);
   }
 }
 
@@ -123,6 +127,7 @@ void ContactFinder::find(const State& s, double dt, const std::vector<PoseStep>&
   const double common = model_->gravity.norm() * dt * dt + kSlack + extra_reach;
   for (size_t i = 0; i < node_reach_.size(); ++i)
     node_reach_[i] = kSpeedMargin * s.v.col(static_cast<Eigen::Index>(i)).norm() * dt + common;
+  positions_ = &s.x;
   place_points(points_, s, roles, &placed_);
   place_points(between_, s, roles, &placed_between_);
 
@@ -178,7 +183,13 @@ void ContactFinder::find_on_shape(int k, const std::vector<ContactPoint>& points
       double reach = at.reach + model_->bodies[static_cast<size_t>(point.body)].contact_radius;
       if (shape.moves) reach += motion_at(shape.end_from_begin, at.p).norm();
       if (bounded && box.squaredExteriorDistance(at.p) > reach * reach) continue;
-      if (!kConcave && point.count > 1 && implied_by_nodes(point, *contacts)) continue;
+      if (!kConcave && point.count > 1) {
+        if (model_->bodies[static_cast<size_t>(point.body)].contact_anywhere) {
+          add_deepest_place(k, point, reach, first_key + i, pose, dt, contacts);
+          continue;
+        }
+        if (implied_by_nodes(point, *contacts)) continue;
+      }
       SurfacePoint surface;
       if (!shape.query.find(at.p, reach, &surface)) continue;
       if constexpr (kConcave) {
@@ -225,6 +236,16 @@ void ContactFinder::add_plane(int k, const ContactPoint& point, const Vec3& p, S
                      c.offset - body.contact_radius});
 }
 
+void ContactFinder::add_deepest_place(int k, const ContactPoint& point, double reach, std::int64_t key,
+                                      const PoseStep& pose, double dt, ContactConstraints* contacts) {
+  if (implied_anywhere(point, *contacts)) return;
+  Place place;
+  if (!find_deepest_place(point, *positions_, reach, &shapes_[static_cast<size_t>(k)].query, &place)) return;
+  keep_side(key, place.p, pose.begin, &place.surface);
+  add_plane(k, point, place.p, place.surface, key, pose, dt, contacts);
+  for (size_t j = 0; j < static_cast<size_t>(point.count); ++j) contacts->back().weight[j] = place.weight[j];
+}
+
 void ContactFinder::add_planes_of_mesh(int k, const ContactPoint& point, const Vec3& p, double reach,
                                        SurfacePoint surface, std::int64_t first_key, const PoseStep& pose, double dt,
                                        ContactConstraints* contacts) {
@@ -257,9 +278,8 @@ bool ContactFinder::take_back_to(const Plane& last, const Vec3& p, const Pose& w
   return true;
 }
 
-bool ContactFinder::implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const {
-  const Plane* planes[3] = {nullptr, nullptr, nullptr};
-  Vec3 mean = Vec3::Zero();
+bool ContactFinder::planes_of_nodes(const ContactPoint& point, const ContactConstraints& contacts,
+                                    const Plane* planes[3]) const {
   const double radius = model_->bodies[static_cast<size_t>(point.body)].contact_radius;
   for (int k = 0; k < point.count; ++k) {
     const int index = contact_of_node_[static_cast<size_t>(point.node[static_cast<size_t>(k)])];
@@ -268,8 +288,33 @@ bool ContactFinder::implied_by_nodes(const ContactPoint& point, const ContactCon
     // A node that is still on its way out does not hold its neighbourhood off the surface.
     if (contacts[i].offset < planes_[i].end_offset + radius - 1e-12) return false;
     planes[k] = &planes_[i];
-    mean += planes_[i].point / point.count;
   }
+  return true;
+}
+
+bool ContactFinder::implied_anywhere(const ContactPoint& point, const ContactConstraints& contacts) const {
+  const Plane* planes[3] = {nullptr, nullptr, nullptr};
+  if (!planes_of_nodes(point, contacts, planes)) return false;
+  // As below, of the corner that may sink deepest below one of the planes: no mean of the nodes sinks deeper.
+  double depth = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < point.count; ++k) {
+    double deepest = 0.0;
+    for (int j = 0; j < point.count; ++j) {
+      const double reach = node_reach_[static_cast<size_t>(point.node[static_cast<size_t>(j)])];
+      deepest = std::max(deepest, planes[k]->normal.dot(planes[k]->point - planes[j]->point) +
+                                      (planes[k]->normal - planes[j]->normal).norm() * reach);
+    }
+    depth = std::min(depth, deepest);
+  }
+  return depth <= kCoveredShare * model_->bodies[static_cast<size_t>(point.body)].contact_radius + 1e-12;
+}
+
+bool ContactFinder::implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const {
+  const Plane* planes[3] = {nullptr, nullptr, nullptr};
+  if (!planes_of_nodes(point, contacts, planes)) return false;
+  Vec3 mean = Vec3::Zero();
+  for (int k = 0; k < point.count; ++k) mean += planes[k]->point / point.count;
+  const double radius = model_->bodies[static_cast<size_t>(point.body)].contact_radius;
   // The mean p of the nodes at the end of the step lies above plane k, n_k . p >= n_k . q_k, by all but
   // n_k . (q_k - mean q) and what the other nodes may sink below plane k while they slide along their own. The shape is
   // wholly below every one of the planes.

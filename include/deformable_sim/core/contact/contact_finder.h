@@ -30,7 +30,8 @@ enum class NodeRole : char {
 /// not convex gives a point one plane for every triangle in reach that no other plane has below it. A point that moves
 /// further than expected is told by missed_motion(): the step is repeated with a wider reach.
 ///
-/// Not good at: surfaces poking between the points of a coarse mesh; contact of a body with itself.
+/// Not good at: surfaces poking between the points of a coarse mesh (but convex ones, where the body is
+/// contact_anywhere); contact of a body with itself.
 class ContactFinder {
  public:
   explicit ContactFinder(const Model* model);
@@ -116,11 +117,17 @@ class ContactFinder {
                  const PoseStep& pose, double dt, ContactConstraints* contacts);
   void add_planes_of_mesh(int shape, const ContactPoint& point, const Vec3& p, double reach, SurfacePoint surface,
                           std::int64_t first_key, const PoseStep& pose, double dt, ContactConstraints* contacts);
+  /// The plane of an edge or face where it comes nearest to a convex shape. reach: of its middle, m.
+  void add_deepest_place(int shape, const ContactPoint& point, double reach, std::int64_t key, const PoseStep& pose,
+                         double dt, ContactConstraints* contacts);
   void keep_side(std::int64_t key, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface);
   static bool take_back_to(const Plane& last, const Vec3& p, const Pose& world_from_collider, SurfacePoint* surface);
+  bool planes_of_nodes(const ContactPoint& point, const ContactConstraints& contacts, const Plane* planes[3]) const;
+  bool implied_anywhere(const ContactPoint& point, const ContactConstraints& contacts) const;
   bool implied_by_nodes(const ContactPoint& point, const ContactConstraints& contacts) const;
 
   const Model* model_;
+  const Nodes* positions_ = nullptr;            // of find(), while it runs
   std::vector<ContactPoint> points_, between_;  // nodes; edge middles and face centroids
   std::vector<PointBlock> blocks_, between_blocks_;
   std::vector<PlacedShape> shapes_;
