@@ -96,7 +96,10 @@ Reply World::apply(const Command& any) {
       w.stable_dt_age = -1;
       w.integrator->reset();
     }
-    void operator()(const command::Reset&) { w.start(); }
+    void operator()(const command::Reset&) {
+      w.start();
+      if (w.contacts) w.contacts->forget_sides();
+    }
 
     /// Bodies that cross are not seen as touching until they have come apart.
     void refuse_crossing(const Body& body, const Nodes& x) const {

@@ -7,9 +7,11 @@
 #include <set>
 #include <tuple>
 
+#include "deformable_sim/core/contact/voxel_solid.h"
 #include "deformable_sim/ros/body_colors.h"
 #include "deformable_sim/ros/body_drawing.h"
 #include "deformable_sim/ros/point_cloud.h"
+#include "deformable_sim/ros/rigid_drawing.h"
 #include "deformable_sim/ros/shown_body.h"
 
 namespace deformable_sim {
@@ -289,6 +291,29 @@ TEST(Frames, AreTheTwoDirectorsOfEachSegment) {
     EXPECT_NEAR((first - 0.2 * Vec3(0, std::cos(0.7), std::sin(0.7))).norm(), 0.0, 1e-6);
     EXPECT_NEAR((second - 0.2 * Vec3(0, -std::sin(0.7), std::cos(0.7))).norm(), 0.0, 1e-6);
   }
+}
+
+TEST(ColliderDrawing, ShowsVoxelsAsCubesOfTheirSizes) {
+  // Two cells of 0.1 m, and a cube of 0.2 m; where each begins is (key - 32768) times 0.1 m, its middle half a size on.
+  const auto key = [](int k) { return static_cast<std::uint16_t>(kVoxelOrigin + k); };
+  Collider collider;
+  collider.name = "map";
+  collider.shapes.resize(1);
+  collider.shapes[0].type = Shape::Type::kVoxels;
+  collider.shapes[0].voxels = std::make_shared<const VoxelSolid>(
+      std::vector<VoxelCube>{
+          {{{key(0), key(0), key(0)}}, 0}, {{{key(-2), key(0), key(4)}}, 1}, {{{key(1), key(1), key(1)}}, 0}},
+      0.1);
+  const auto markers = collider_markers(collider);
+  ASSERT_EQ(markers.size(), 2u);
+  for (const auto& marker : markers) EXPECT_EQ(marker.type, visualization_msgs::Marker::CUBE_LIST);
+  EXPECT_NEAR(markers[0].scale.x, 0.1, 1e-12);
+  EXPECT_EQ(markers[0].points.size(), 2u);
+  EXPECT_NEAR(markers[1].scale.z, 0.2, 1e-12);
+  ASSERT_EQ(markers[1].points.size(), 1u);
+  EXPECT_NEAR(markers[1].points[0].x, -0.1, 1e-12);
+  EXPECT_NEAR(markers[1].points[0].y, 0.1, 1e-12);
+  EXPECT_NEAR(markers[1].points[0].z, 0.5, 1e-12);
 }
 
 }  // namespace

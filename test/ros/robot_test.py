@@ -75,6 +75,19 @@ class Robot(unittest.TestCase):
         self.assertTrue(self.sim.reset().success)
         self.send_until(0.6, lambda h: abs(h.get('robot.hand', 0.0) - 0.6) < 1e-6)
 
+    def test_what_a_link_lets_through_it_does_not_touch(self):
+        scene = NAPKIN_ON_TRAY.replace('robot: {friction: 0.4}', 'robot: {lets_through: {hand: [napkin]}}')
+        scene = scene.replace('cells: [5, 5]', 'cells: [5, 5]\n      pins: [corner_0, corner_1, corner_2, corner_3]')
+        self.assertEqual(self.sim.load_scene(yaml=scene).status.code, Status.OK)
+        self.send_until(0.61, lambda h: 'robot.hand' in h)
+        self.assertLess(self.sim.get_distance(body='napkin', obstacles=['robot.hand']).distance, 0.0)
+        self.assertNotEqual(self.sim.get_distance(body='napkin').obstacle, 'robot.hand')
+        bad = scene.replace('hand: [', 'elbow: [')
+        answer = self.sim.load_scene(yaml=bad)
+        self.assertEqual(answer.status.code, Status.NOT_FOUND)
+        self.assertIn("'elbow' is not in robot_description", answer.status.message)
+        self.assertEqual(self.sim.load_scene(file=rospy.get_param('/deformable_sim/scene')).status.code, Status.OK)
+
     def test_what_lies_on_a_link_is_felt_by_it(self):
         # A napkin of weight W rests 3 cm off the hand's origin on the tray that the hand carries: the contacts push it up
         # by W, and the tray feels (0, 0, -W) and the torque r x F = (0, 0.03 W, 0) about the hand.

@@ -30,7 +30,7 @@ class Search {
   Search(const Shape& shape, const Pose& world_from_shape, int collider, double radius, BodyDistance* best)
       : query_(shape),
         origin_(world_from_shape.translation()),
-        concave_(SurfaceQuery(shape).concave_pieces() > 0),
+        concave_(query_.concave_pieces() > 0),
         collider_(collider),
         radius_(radius),
         best_(best) {

@@ -95,6 +95,15 @@ bool lets_through(const Collider& collider, const std::string& body) {
   return std::find(collider.lets_through.begin(), collider.lets_through.end(), body) != collider.lets_through.end();
 }
 
+bool same_but_for_pose(const Collider& a, const Collider& b) {
+  const auto same = [](const Shape& one, const Shape& other) {
+    return one.type == other.type && one.size == other.size && one.mesh == other.mesh && one.voxels == other.voxels &&
+           one.collider_from_shape.matrix() == other.collider_from_shape.matrix();
+  };
+  return a.name == b.name && a.friction == b.friction && a.frame == b.frame &&
+         std::equal(a.shapes.begin(), a.shapes.end(), b.shapes.begin(), b.shapes.end(), same);
+}
+
 void ColliderSet::add(const Collider& collider) {
   check_collider(collider);
   for (const Collider& c : colliders_)

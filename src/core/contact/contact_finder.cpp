@@ -42,23 +42,44 @@ ContactFinder::ContactFinder(const Model* model) : model_(model) {
 }
 
 void ContactFinder::set_colliders(const std::vector<Collider>& colliders) {
-  shapes_.clear();
-  forget_sides();
+  std::vector<PlacedShape> before;
+  std::swap(before, shapes_);
+  std::int64_t last_key = -1;
+  bool ascending = true;
   for (int c = 0; c < static_cast<int>(colliders.size()); ++c) {
     const Collider& collider = colliders[static_cast<size_t>(c)];
     std::vector<char> through;
     if (!collider.lets_through.empty())
       for (const Body& body : model_->bodies) through.push_back(lets_through(collider, body.name) ? 1 : 0);
+    const auto known = std::find_if(known_.begin(), known_.end(),
+                                    [&collider](const Collider& other) { return same_but_for_pose(collider, other); });
+    const int old_index = known == known_.end() ? -1 : static_cast<int>(known - known_.begin());
+    auto old = std::find_if(before.begin(), before.end(),
+                            [old_index](const PlacedShape& shape) { return shape.collider == old_index; });
     for (const Shape& s : collider.shapes) {
-      shapes_.emplace_back(s, c, collider);
+      if (old_index >= 0) {
+        shapes_.push_back(std::move(*old++));
+        shapes_.back().collider = c;
+      } else {
+        shapes_.emplace_back(s, c, collider);
+        PlacedShape& added = shapes_.back();
+        added.keys_per_point = std::max(1, added.query.concave_pieces());
+        added.first_key = next_key_;
+        next_key_ += added.keys_per_point * point_count();
+      }
       shapes_.back().lets_through = through;
+      ascending = ascending && shapes_.back().first_key > last_key;
+      last_key = shapes_.back().first_key;
     }
   }
-  std::int64_t key = 0;
+  known_ = colliders;
+  if (ascending) return;
+  // Another order of the same colliders: what is remembered by keys is of no use.
+  forget_sides();
+  next_key_ = 0;
   for (PlacedShape& shape : shapes_) {
-    shape.first_key = key;
-    shape.keys_per_point = std::max(1, shape.query.concave_pieces());
-    key += shape.keys_per_point * point_count();
+    shape.first_key = next_key_;
+    next_key_ += shape.keys_per_point * point_count();
   }
 }
 

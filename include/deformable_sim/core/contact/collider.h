@@ -42,4 +42,7 @@ void check_collider(const Collider& collider);
 /// Whether the collider and the body of this name do not touch.
 bool lets_through(const Collider& collider, const std::string& body);
 
+/// The same name, frame, friction and shapes.
+bool same_but_for_pose(const Collider& a, const Collider& b);
+
 }  // namespace deformable_sim

@@ -36,7 +36,8 @@ class ContactFinder {
  public:
   explicit ContactFinder(const Model* model);
 
-  /// Takes over shapes and friction; forgets on which side of a shape points were, and where they stuck.
+  /// Takes over shapes and friction. A collider that was there before, wherever it is now, is the same one: points
+  /// remember on which side of it they were, and where they stuck.
   void set_colliders(const std::vector<Collider>& colliders);
   /// Points were put elsewhere from outside: they forget sides and where they stuck.
   void forget_sides();
@@ -131,6 +132,8 @@ class ContactFinder {
   std::vector<ContactPoint> points_, between_;  // nodes; edge middles and face centroids
   std::vector<PointBlock> blocks_, between_blocks_;
   std::vector<PlacedShape> shapes_;
+  std::vector<Collider> known_;  // whose shapes these are
+  std::int64_t next_key_ = 0;    // of a shape that is added; keys are never given twice
   std::vector<Point> placed_, placed_between_;
   std::vector<Point> stopped_, stopped_between_;  // of shapes that let some bodies through
   std::vector<double> node_reach_;
