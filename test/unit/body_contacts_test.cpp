@@ -132,6 +132,9 @@ TEST(BodyContacts, NameWhatCrosses) {
   x.col(0) = Vec3(0.06, 0.075, 0.02);  // a corner folded over the opposite cell and through it
   x.col(1) = Vec3(0.07, 0.04, -0.02);
   EXPECT_EQ(contacts.find_crossing(x).find("'lower' crosses itself near ("), 0u);
+  x = model->initial.x;
+  x.rightCols<9>() = x.leftCols<9>();
+  EXPECT_EQ(contacts.find_crossing(x).find("'lower' and 'upper' are in one place near ("), 0u);
 }
 
 }  // namespace

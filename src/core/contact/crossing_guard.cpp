@@ -131,15 +131,26 @@ double CrossingGuard::separate(const Pair& pair, const Eigen::VectorXd& inverse_
 
 std::string CrossingGuard::find_crossing(const Nodes& x) {
   std::string found;
-  pieces_->for_each_pair({x, x, {0.0, 0.0}, {0.0, 0.0}}, [&](const Piece& one, const Piece& other) {
-    if (!found.empty() || (!edge_crosses(one, other, x) && !edge_crosses(other, one, x))) return;
+  const auto name = [&](const Piece& one, const Piece& other, const char* alone, const char* two) {
     const Vec3 at = x.col(one.node[0]);
     const auto [first, second] = std::minmax(one.body, other.body);
     const std::string &a = model_->bodies[static_cast<size_t>(first)].name,
                       &b = model_->bodies[static_cast<size_t>(second)].name;
     char place[80];
     std::snprintf(place, sizeof place, " near (%.3g, %.3g, %.3g) m", at[0], at[1], at[2]);
-    found = (one.body == other.body ? "'" + a + "' crosses itself" : "'" + a + "' and '" + b + "' cross") + place;
+    found = (first == second ? "'" + a + "' " + alone : "'" + a + "' and '" + b + "' " + two) + place;
+  };
+  const SurfacePieces::Step still{x, x, {0.0, 0.0}, {0.0, 0.0}};
+  pieces_->for_each_pair(still, [&](const Piece& one, const Piece& other) {
+    if (found.empty() && (edge_crosses(one, other, x) || edge_crosses(other, one, x))) {
+      name(one, other, "crosses itself", "cross");
+    }
+  });
+  if (!found.empty()) return found;
+  pieces_->for_each_meeting(still, [&](const Meeting& m) {
+    if (found.empty() && closest_points(m, x).apart.norm() < kTiny) {
+      name(*m.a, *m.b, "touches itself at no distance", "are in one place");
+    }
   });
   return found;
 }

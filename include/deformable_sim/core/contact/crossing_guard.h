@@ -24,7 +24,8 @@ class CrossingGuard {
   /// become those of the ways they made in dt (s) from `before`. Returns by how much the worst pair fails to be, m; 0
   /// when all are.
   double keep_apart(const Nodes& before, const Eigen::VectorXd& inverse_mass, double dt, State* s);
-  /// Names the bodies of an edge and a triangle that cross at x, and where; empty when none do.
+  /// Names the bodies of an edge and a triangle that cross at x, or of parts at no distance, which have no direction to
+  /// come apart in, and where; empty when there are none.
   std::string find_crossing(const Nodes& x);
 
  private:
