@@ -5,6 +5,11 @@ foreach(program ${BENCH_PROGRAMS})
   add_executable(${program} EXCLUDE_FROM_ALL bench/${program}.cpp bench/scenes.cpp)
   target_link_libraries(${program} PRIVATE ${PROJECT_NAME}_scene benchmark::benchmark)
 endforeach()
+# Run by ./run bench contact.
+add_executable(contact_bench EXCLUDE_FROM_ALL bench/contact_bench.cpp bench/contact_baseline.cpp bench/contact_check.cpp
+  bench/contact_scenes.cpp bench/scenes.cpp)
+target_link_libraries(contact_bench PRIVATE ${PROJECT_NAME}_scene benchmark::benchmark)
+list(APPEND BENCH_PROGRAMS contact_bench)
 if(DEFORMABLE_SIM_ROS)
   add_executable(message_bench EXCLUDE_FROM_ALL bench/message_bench.cpp bench/scenes.cpp)
   target_link_libraries(message_bench PRIVATE ${PROJECT_NAME}_ros benchmark::benchmark)

@@ -1,4 +1,5 @@
 // The bits of a result do not depend on the number of threads.
+#include <algorithm>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -88,6 +89,42 @@ TEST_P(ThreadsOf, MoveToTheSameBits) {
 }
 INSTANTIATE_TEST_SUITE_P(, ThreadsOf, testing::ValuesIn(cases()),
                          [](const auto& info) { return std::string(info.param.name); });
+
+class ThreadsOfTouching : public testing::TestWithParam<const char*> {};
+
+TEST_P(ThreadsOfTouching, BodiesMoveThemToTheSameBits) {
+  // Positions, velocities and forces of contact where sheets lie on one another and a rope on them.
+  const test::FourThreads allowed;
+  const std::string bodies =
+      sheet("low", 61, 75, "touches: all, material: {damping: 0}, pose: {position: [0.02, 0.01, 0.2515]}") +
+      sheet("high", 31, 37,
+            "touches: all, material: {damping: 0}, pose: {position: [0.1, 0.03, 0.2537], rpy: [0, 0, 0.3]}") +
+      "  - rope: {name: rope, touches: all, length: 0.8, segments: 60, pose: {position: [0, 0, 0.2589]}, material: "
+      "{diameter: 0.008, linear_density: 0.05, axial_stiffness: 1000, damping: 0}}\n";
+  const auto run = [&](int threads) {
+    auto world = build_world(
+        load_scene_text(std::string("step: {solver: manual, ") + GetParam() + "}\nbodies:\n" + bodies + kBall, "test"),
+        threads);
+    while (world->time() < 0.0199) EXPECT_TRUE(world->step().ok);
+    return world;
+  };
+  const std::unique_ptr<World> one = run(1);
+  const std::vector<ContactReport> forces = one->contact_reports();
+  const auto with_rope = [](const ContactReport& r) { return r.other == 2 || (r.other >= 0 && r.body == 2); };
+  const auto of_sheets = [](const ContactReport& r) { return r.other == 1 && r.body == 0; };
+  ASSERT_TRUE(std::any_of(forces.begin(), forces.end(), with_rope));
+  ASSERT_TRUE(std::any_of(forces.begin(), forces.end(), of_sheets));
+  const std::unique_ptr<World> four = run(4);
+  EXPECT_TRUE((four->state().x.array() == one->state().x.array()).all());
+  EXPECT_TRUE((four->state().v.array() == one->state().v.array()).all());
+  const std::vector<ContactReport> same = four->contact_reports();
+  ASSERT_EQ(same.size(), forces.size());
+  for (size_t k = 0; k < forces.size(); ++k) EXPECT_EQ(same[k].force, forces[k].force) << k;
+}
+INSTANTIATE_TEST_SUITE_P(, ThreadsOfTouching,
+                         testing::Values("integrator: bdf2, linear_solver: multigrid, dt: 0.01",
+                                         "integrator: substepped_verlet, dt: 0.01"),
+                         [](const auto& info) { return std::to_string(info.index); });
 
 std::string scheme_detail(const std::string& bodies, int threads) {
   const std::unique_ptr<World> world = build_world(

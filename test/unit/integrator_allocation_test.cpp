@@ -1,28 +1,13 @@
 // A warm step takes no memory from the heap.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/energy/solid_terms.h"
 #include "deformable_sim/core/grid/grid_sheet.h"
 #include "deformable_sim/core/strain_limit.h"
+#include "support/count_allocations.h"
 #include "support/crooked_sheet.h"
 #include "support/system.h"
-
-namespace {
-
-thread_local bool counting = false;
-thread_local long allocations = 0;
-
-}  // namespace
-
-// Eigen takes its memory from malloc, the standard library from operator new, which calls malloc: one hook sees both.
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" void* malloc(std::size_t size) {
-  if (counting) ++allocations;
-  return __libc_malloc(size);
-}
 
 namespace deformable_sim::test {
 namespace {

@@ -213,13 +213,17 @@ class SubsteppedVerlet : public Integrator {
         c.node[k] = place;
       }
     }
-    near_inverse_mass_.resize(static_cast<Eigen::Index>(near_.size()));
+    // Room for more than there are is never given back: their number changes from step to step.
+    const auto count = static_cast<Eigen::Index>(near_.size());
+    if (near_inverse_mass_.size() < count) {
+      near_inverse_mass_.resize(2 * count);
+      near_state_.x.resize(3, 2 * count);
+      near_state_.v.resize(3, 2 * count);
+    }
     for (size_t k = 0; k < near_.size(); ++k) {
       near_inverse_mass_[static_cast<Eigen::Index>(k)] = inverse_mass_[near_[k]];
       place_of_[static_cast<size_t>(near_[k])] = -1;
     }
-    near_state_.x.resize(3, static_cast<Eigen::Index>(near_.size()));
-    near_state_.v.resize(3, static_cast<Eigen::Index>(near_.size()));
   }
 
   /// Planes are given for the end of the step, `remaining` (s) from now. After the last kick no drift follows: what
