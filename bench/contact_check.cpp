@@ -88,47 +88,11 @@ double asked(const Model& model, const Place& place) {
   return body_of(model, place[0]).contact_radius + body_of(model, place[static_cast<size_t>(place[4])]).contact_radius;
 }
 
-/// Nodes of both sides of a place between bodies.
-template <typename Visit>
-void for_each_node_pair(const Place& place, const Visit& visit) {
-  for (int i = 0; i < place[4]; ++i) {
-    for (int j = place[4]; j < 4 && place[static_cast<size_t>(j)] >= 0; ++j) {
-      const int a = place[static_cast<size_t>(i)], b = place[static_cast<size_t>(j)];
-      visit(std::minmax(a, b));
-    }
-  }
-}
-
-/// Contacts by the nodes that they hold on either side: the shortest of each two.
-using Shortest = std::map<std::pair<int, int>, double>;
-
-Shortest shortest_of(const Found& found) {
-  Shortest shortest;
-  for (const auto& [place, distance] : found) {
-    for_each_node_pair(place, [&, d = distance](const std::pair<int, int>& nodes) {
-      const auto [known, is_new] = shortest.emplace(nodes, d);
-      if (!is_new) known->second = std::min(known->second, d);
-    });
-  }
-  return shortest;
-}
-
-bool has_shorter(const Shortest& shortest, const Place& place, double distance) {
-  bool found = false;
-  for_each_node_pair(place, [&](const std::pair<int, int>& nodes) {
-    const auto known = shortest.find(nodes);
-    found = found || (known != shortest.end() && known->second <= distance + kNoDistance);
-  });
-  return found;
-}
-
-/// How many of `one` below their limit are not in `other`, nor stood for by a shorter one next to them.
-int count_missing(const Model& model, const Found& one, const Found& other, const Shortest& shorter, const char* whose,
-                  std::string* first) {
+/// How many of `one` below their limit are not in `other`.
+int count_missing(const Model& model, const Found& one, const Found& other, const char* whose, std::string* first) {
   int count = 0;
   for (const auto& [place, distance] : one) {
     if (distance > asked(model, place) - kNoDistance || distance < kNoDistance || other.count(place) > 0) continue;
-    if (place[4] > 0 && has_shorter(shorter, place, distance)) continue;
     if (++count > 1 || !first->empty()) continue;
     *first = std::string(whose) + " alone has";
     for (const int k : place) *first += " " + std::to_string(k);
@@ -146,11 +110,11 @@ ContactComparison compare_contacts(const World& world, ContactBaseline* baseline
   baseline->find(at_rest.x, at_rest.v, world.settings().dt, colliders);
   const Found ours = found_by(*baseline), theirs = found_by_library(world, at_rest, colliders);
   ContactComparison result;
-  for (const auto& [place, distance] : theirs) {
+  for (const auto& [place, distance] : ours) {
     if (distance <= asked(world.model(), place)) ++(place[4] == 0 ? result.on_colliders : result.between_bodies);
   }
-  result.missed = count_missing(world.model(), ours, theirs, shortest_of(theirs), "the baseline", &result.first);
-  result.surplus = count_missing(world.model(), theirs, ours, {}, "the library", &result.first);
+  result.missed = count_missing(world.model(), ours, theirs, "the baseline", &result.first);
+  result.surplus = count_missing(world.model(), theirs, ours, "the library", &result.first);
   return result;
 }
 

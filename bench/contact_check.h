@@ -13,11 +13,9 @@ namespace bench {
 /// nearer than their contact radii together, and nodes nearer to a collider than their own.
 ///
 /// Both lists are brought to what the library makes of them: nodes of no weight are left out and each set of nodes
-/// counts once. Where a connection ends on a corner or an edge, the pieces around it find the same one or a shorter
-/// one, and the library keeps one of them: what is missing there has to have one no longer, with a node in common on
-/// either side. What is nearer to the limit than 1e-9 m may be in either.
+/// counts once. What is nearer to the limit than 1e-9 m may be in either.
 struct ContactComparison {
-  int between_bodies = 0, on_colliders = 0;  // the library's
+  int between_bodies = 0, on_colliders = 0;  // the baseline's
   int missed = 0, surplus = 0;               // not in the library's, not in the baseline's
   std::string first;                         // one of those, in words
 };

@@ -19,7 +19,6 @@ namespace {
 constexpr int kMaxHalvings = 6;
 constexpr double kFurthest = 1e6;         // m: beyond this a state counts as diverged
 constexpr double kGrossResidual = 100.0;  // m/s^2: an implicit step this far off is tried again in two parts
-constexpr double kGrossUpdate = 0.002;    // m: the same where bodies meet, of what the last iteration moved
 constexpr double kDiverged = 1e6;         // m/s^2: such a step is no solution at all
 constexpr int kMaxWidenings = 4;
 constexpr double kViolation = 0.0005;  // m: contacts that end so far inside are tried again in shorter parts
@@ -52,7 +51,6 @@ void add(const StepReport& part, StepReport* sum) {
   sum->force_evaluations += part.force_evaluations;
   // Not std::max, which loses a NaN.
   if (!(part.residual <= sum->residual)) sum->residual = part.residual;
-  sum->last_update = std::max(sum->last_update, part.last_update);
   sum->seconds_assembly += part.seconds_assembly;
   sum->seconds_solve += part.seconds_solve;
 }
@@ -331,10 +329,7 @@ bool World::Parts::is_poor(int refinement) const {
   // lost on the other side: worth more.
   if (violation > kLost) return true;
   if (violation > kViolation) return refinement < kMaxRefinements;
-  if (refinement > 0 || !integrator->needs().jacobian || report.converged) return false;
-  // Where many contacts close in a step, their stiffness makes a large residual of little that is left to move.
-  if (meetings && report.last_update >= 0.0) return report.last_update > kGrossUpdate;
-  return report.residual > kGrossResidual;
+  return refinement == 0 && integrator->needs().jacobian && !report.converged && report.residual > kGrossResidual;
 }
 
 World::World(std::shared_ptr<const Model> model, WorldSettings settings, std::vector<Collider> colliders,

@@ -58,7 +58,7 @@ void BodyContacts::foresee(const State& s, double dt, const std::vector<int>& he
 void BodyContacts::add_touch(const Meeting& m, const Nodes& x) {
   const ClosestPoints found = closest_points(m, x);
   const double distance = found.apart.norm();
-  if (distance < kTiny || !stands_for_place(m, found)) return;
+  if (distance < kTiny) return;
   const double asked = pieces_.radius_of(m.a->body) + pieces_.radius_of(m.b->body);
   if (std::min(distance, ahead(m, found, distance)) > asked + 2.0 * margin_) return;
   Touch touch{{{-1, -1, -1, -1}}, {}, 0, found.apart / distance, distance, m.a->body, m.b->body};

@@ -71,7 +71,6 @@ StepReport ImplicitStage::solve(const StageEquation& equation, const State& star
     if (full_steps_ && report.converged) take_full_step();
     report.seconds_assembly += lap();
   }
-  if (report.newton_iterations > 0) report.last_update = std::sqrt((trial_.x - before_).squaredNorm() / free_);
   if (!report.converged) contacts_.push_out(kDeep, inverse_mass_, &trial_.x);
   find_velocities();
   report.force_evaluations = force_evaluations_;

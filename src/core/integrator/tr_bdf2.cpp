@@ -25,7 +25,6 @@ void add(const StepReport& part, StepReport* sum) {
   sum->newton_iterations += part.newton_iterations;
   sum->linear_iterations += part.linear_iterations;
   sum->force_evaluations += part.force_evaluations;
-  sum->last_update = std::max(sum->last_update, part.last_update);
   sum->residual = !(part.residual <= sum->residual) ? part.residual : sum->residual;  // keeps a NaN
   sum->seconds_assembly += part.seconds_assembly;
   sum->seconds_solve += part.seconds_solve;

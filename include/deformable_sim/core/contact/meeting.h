@@ -20,10 +20,6 @@ struct Meeting {
   const Piece *a, *b;       // what the parts are parts of
 };
 
-/// Whether this meeting stands for the place where its shortest connection ends: a corner or an edge there is a part of
-/// several pieces, each of which finds the same connection, or a shorter one. With each place one of them at least.
-bool stands_for_place(const Meeting& m, const ClosestPoints& found);
-
 /// From the second part to the first, at the positions x (3 x nodes, m).
 ClosestPoints closest_points(const Meeting& m, const Nodes& x);
 

@@ -45,7 +45,6 @@ struct StepReport {
   int linear_iterations = 0;
   int force_evaluations = 0;      // all terms once = 1
   double residual = 0.0;          // RMS unbalanced acceleration at the end of the step, m/s^2
-  double last_update = -1.0;      // RMS of what the last Newton iteration moved, m; -1: not known
   double seconds_assembly = 0.0;  // thread CPU time, s
   double seconds_solve = 0.0;
 };
