@@ -270,9 +270,10 @@ bool World::Parts::integrate_with_contacts(double h, const State& before) {
     state = before;
   }
   if (contacts) contacts->keep_stuck(dynamics.contacts, collider_steps);
-  if (contacts) violation = std::max(violation, contacts->violation(state.x, dynamics.contacts));
   if (meetings) meetings->keep_stuck(dynamics.contacts);
   if (meetings) keep_bodies_apart(h, before);
+  // After what puts bodies apart, which knows nothing of colliders.
+  if (contacts) violation = std::max(violation, contacts->violation(state.x, dynamics.contacts));
   return true;
 }
 

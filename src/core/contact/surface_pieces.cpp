@@ -8,6 +8,7 @@ namespace deformable_sim {
 namespace {
 
 constexpr double kMoreReach = 1.0;    // of the least radius, when what is near is to be known for a while: ...
+constexpr size_t kNearReserved = 32;  // pieces near to a piece, for which there is room from the start
 constexpr double kStepsAtRest = 4.0;  // ... for so many steps at least
 
 }  // namespace
@@ -41,6 +42,7 @@ SurfacePieces::SurfacePieces(const Model* model)
     centers.push_back(sum / p.count);
   }
   tree_ = PieceTree(centers);
+  near_.reserve(kNearReserved * pieces_.size());
 }
 
 void SurfacePieces::add_pieces(int body) {
