@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Thickness, StackOnSphere, testing::Values(0.010, 0.005,
 TEST_P(StackOnSphere, TenSheetsKeepTheirOrder) {
   // F20: ten sheets a thickness apart fall on a sphere, steps of 0.02 s. Above it the layers lie in their order,
   // nothing has crossed at any time, and at the end the lowest is not in the sphere. (While they fall it is, for some
-  // steps: what puts sheets apart knows no colliders, doc/theory/contact.md, 9.)
+  // steps: what puts sheets apart knows no colliders, which are looked at after it, doc/theory/contact.md, 9.)
   const double thickness = GetParam();
   std::string yaml =
       "step: {dt: 0.02, integrator: implicit_euler}\n"
