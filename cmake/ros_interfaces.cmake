@@ -9,6 +9,7 @@ find_package(catkin REQUIRED COMPONENTS
   resource_retriever
   roscpp
   rosgraph_msgs
+  roslib
   sensor_msgs
   shape_msgs
   std_msgs
@@ -45,6 +46,8 @@ add_service_files(DIRECTORY srv FILES
   MoveGrasp.srv
   Release.srv
   RemoveObstacle.srv
+  RestoreState.srv
+  SaveState.srv
   SetState.srv
   Step.srv
 )
@@ -54,7 +57,7 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${PROJECT_NAME}_core ${PROJECT_NAME}_scene ${PROJECT_NAME}_ros
   CATKIN_DEPENDS
-    diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers message_runtime resource_retriever roscpp rosgraph_msgs
+    diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers message_runtime resource_retriever roscpp rosgraph_msgs roslib
     sensor_msgs shape_msgs std_msgs std_srvs tf2_eigen tf2_msgs tf2_ros urdf visualization_msgs
   DEPENDS EIGEN3
 )

@@ -1,11 +1,12 @@
 # Tests of the ROS layer: parts without a master, then the node, each test with a master of its own.
 find_package(GTest REQUIRED)
-add_executable(ros_tests test/ros/drawing_test.cpp test/ros/pacer_test.cpp test/ros/request_queue_test.cpp)
+add_executable(ros_tests test/ros/careful_messages_test.cpp test/ros/drawing_test.cpp test/ros/pacer_test.cpp
+  test/ros/request_queue_test.cpp)
 target_link_libraries(ros_tests PRIVATE ${PROJECT_NAME}_ros GTest::gtest GTest::gtest_main)
 add_test(NAME ros COMMAND ros_tests)
 
 find_package(rostest REQUIRED)
-foreach(name api clock gripper obstacles outputs process real_time robot services)
+foreach(name api clock fuzz gripper obstacles outputs process real_time robot services)
   add_rostest(test/ros/${name}.test DEPENDENCIES sim_node ${${PROJECT_NAME}_EXPORTED_TARGETS})
 endforeach()
 add_rostest(test/ros/robot_demo.test DEPENDENCIES robot_demo ${${PROJECT_NAME}_EXPORTED_TARGETS})

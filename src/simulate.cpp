@@ -16,6 +16,7 @@
 #include "deformable_sim/scene/load.h"
 #include "deformable_sim/scene/run_report.h"
 #include "deformable_sim/scene/script.h"
+#include "deformable_sim/scene/state_file.h"
 
 namespace {
 
@@ -25,7 +26,7 @@ constexpr int kDone = 0, kFailed = 1, kRefused = 2, kInterrupted = 130;
 
 const char kUsage[] =
     "usage: simulate SCENE [--seconds T] [--set KEY=VALUE]... [--out DIR] [--every S] [--format csv|ply|obj]\n"
-    "                [--threads N] [--quiet] [--json]\n"
+    "                [--restore FILE] [--save FILE] [--threads N] [--quiet] [--json]\n"
     "       simulate --scene-reference | --list | --help\n"
     "\n"
     "SCENE               a file, or the name of a shipped scene\n"
@@ -34,6 +35,8 @@ const char kUsage[] =
     "--out DIR           writes frames: every node's position and velocity\n"
     "--every S           simulated time between frames, s (default 0.1)\n"
     "--format F          csv (default), ply or obj\n"
+    "--restore FILE      begins where a simulation of the same scene was saved, and goes on to the same bits\n"
+    "--save FILE         saves the simulation where it ends, also when it is interrupted\n"
     "--threads N         threads of the physics, 1 (default) ... 64: the same result, sooner where cores are free\n"
     "--quiet             no progress and no summary\n"
     "--json              ends with one JSON object on standard output; progress and summary go to standard error\n"
@@ -48,6 +51,7 @@ struct Arguments {
   double every = 0.1;
   std::vector<Override> overrides;
   std::string out;
+  std::string restore, save;
   FrameFormat format = FrameFormat::kCsv;
   int threads = 1;
   bool quiet = false;
@@ -107,6 +111,10 @@ Arguments read_arguments(const std::vector<std::string>& words) {
       a.out = value();
     } else if (word == "--format") {
       a.format = frame_format(value());
+    } else if (word == "--restore") {
+      a.restore = value();
+    } else if (word == "--save") {
+      a.save = value();
     } else if (word == "--threads") {
       a.threads = read_threads(value());
     } else if (word == "--quiet") {
@@ -136,7 +144,18 @@ class Run {
  public:
   Run(const Arguments& arguments, const SceneSpec& scene, World* world)
       : arguments_(arguments), world_(world), script_(scene.script) {
+    if (!arguments.restore.empty()) {
+      const SavedState saved = read_state_file(arguments.restore);
+      world->restore(saved.world);
+      script_.go_on_after(saved.script);
+      next_frame_ = next_look_ = world->time();
+    }
     if (!arguments.out.empty()) frames_.emplace(arguments.out, arguments.format);
+  }
+
+  /// Throws InputError.
+  void save(const std::string& scene) {
+    write_state_file(arguments_.save, {scene, world_->time(), script_.taken(), world_->save(), ""});
   }
 
   RunReport report;
@@ -221,6 +240,7 @@ int simulate(const Arguments& arguments) {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
   run.go();
+  if (!arguments.save.empty()) run.save(scene.file);
   const RunReport& report = run.report;
   if (!arguments.quiet) (arguments.json ? std::cerr : std::cout) << run_summary(report);
   if (arguments.json) std::cout << run_json(report) << "\n";

@@ -1,5 +1,5 @@
 // Studies. The virtual test bench puts a material of the tables on simulated specimens and reports what is measured;
-// work_precision finds what a scene's error costs. No ROS.
+// work_precision finds what a scene's error costs, stability where steps are stable and right. No ROS.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +10,9 @@
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/scene/material_library.h"
 #include "study/bench.h"
+#include "study/fuzz_command.h"
 #include "study/solver_report.h"
+#include "study/stability_command.h"
 #include "study/work_precision_command.h"
 
 namespace {
@@ -22,6 +24,8 @@ constexpr int kDone = 0, kFailed = 1, kRefused = 2;
 const char kUsage[] =
     "usage: study material MATERIAL [--model M] [--out DIR] [--quick] [--json]\n"
     "       study work_precision SCENE | --suite ...      (study work_precision --help)\n"
+    "       study fuzz               scenes made at random, stepped and watched   (study fuzz --help)\n"
+    "       study stability [--scene S] ...               (study stability --help)\n"
     "       study solvers            what solver: auto chooses for the scenes of config/solvers.yaml, and how good it "
     "is\n"
     "       study --list | --models | --material-reference | --help\n"
@@ -45,10 +49,9 @@ struct Arguments {
 
 Arguments read_arguments(const std::vector<std::string>& words) {
   if (words.empty() || words[0] != "material")
-    throw InputError(
-        "'" + (words.empty() ? "" : words[0]) +
-        "': the first word must be 'material', 'work_precision' or 'solvers', or the only one --list, --models, "
-        "--material-reference or --help");
+    throw InputError("'" + (words.empty() ? "" : words[0]) +
+                     "': the first word must be 'material', 'work_precision', 'stability', 'fuzz' or 'solvers', or the "
+                     "only one --list, --models, --material-reference or --help");
   Arguments a;
   for (size_t k = 1; k < words.size(); ++k) {
     const std::string& word = words[k];
@@ -148,12 +151,18 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   const bool precision = !words.empty() && words[0] == "work_precision";
+  const bool fuzzed = !words.empty() && words[0] == "fuzz", stable = !words.empty() && words[0] == "stability";
   if (words.empty() || has("--help") || has("-h")) {
-    (words.empty() ? std::cerr : std::cout) << (precision ? work_precision::kUsage : kUsage);
+    (words.empty() ? std::cerr : std::cout) << (precision ? work_precision::kUsage
+                                                : fuzzed  ? fuzz::kUsage
+                                                : stable  ? stability::kUsage
+                                                          : kUsage);
     return words.empty() ? kRefused : kDone;
   }
   try {
     if (precision) return work_precision::command({words.begin() + 1, words.end()});
+    if (fuzzed) return fuzz::command({words.begin() + 1, words.end()});
+    if (stable) return stability::command({words.begin() + 1, words.end()});
     if (words.size() == 1 && words[0] == "--material-reference") {
       std::cout << material_reference(load_material_library(default_material_dir()));
       return kDone;

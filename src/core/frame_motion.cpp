@@ -54,6 +54,15 @@ bool FrameMotion::advance(double dt, double max_speed, double lever) {
   return true;
 }
 
+void FrameMotion::pass(Archive* archive) {
+  archive->pass(&pose_);
+  archive->pass(&start_);
+  archive->pass(&target_);
+  archive->pass(&duration_);
+  archive->pass(&elapsed_);
+  archive->pass(&moving_);
+}
+
 bool is_valid_pose(const Pose& pose) {
   if (!pose.matrix().allFinite() || pose.translation().cwiseAbs().maxCoeff() > 1e6) return false;
   const Mat3 r = pose.linear();

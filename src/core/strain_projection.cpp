@@ -122,6 +122,9 @@ void StrainProjection::add_planes(const ContactConstraints& contacts) {
   planes_.clear();
   for (size_t c = 0; c < contacts.size(); ++c) {
     const ContactConstraint& contact = contacts[c];
+    // Between bodies: any nodes meet, and the matrix has blocks for those of one mesh. What puts bodies apart comes
+    // after the limits.
+    if (contact.collider < 0 && contact.count > 1) continue;
     Plane plane;
     plane.index = static_cast<int>(c);
     plane.count = contact.count;

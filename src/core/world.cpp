@@ -1,4 +1,4 @@
-// Construction and the step.
+// Construction, and what a part of a step is made of.
 #include "deformable_sim/core/world.h"
 
 #include <algorithm>
@@ -16,14 +16,7 @@
 namespace deformable_sim {
 namespace {
 
-constexpr int kMaxHalvings = 6;
-constexpr double kFurthest = 1e6;         // m: beyond this a state counts as diverged
-constexpr double kGrossResidual = 100.0;  // m/s^2: an implicit step this far off is tried again in two parts
-constexpr double kDiverged = 1e6;         // m/s^2: such a step is no solution at all
 constexpr int kMaxWidenings = 4;
-constexpr double kViolation = 0.0005;  // m: contacts that end so far inside are tried again in shorter parts
-constexpr double kLost = 0.005;        // m: the same, as often as it takes
-constexpr int kMaxRefinements = 2;
 
 void check_settings(const WorldSettings& s) {
   if (!std::isfinite(s.dt) || s.dt <= 0.0 || s.dt > 1.0) throw InputError("dt must be > 0 and at most 1 s");
@@ -42,17 +35,6 @@ void add_contact_pairs(const Model& model, std::vector<std::array<int, 2>>* pair
   for (const ContactPoint& p : points)
     for (size_t i = 1; i < static_cast<size_t>(p.count); ++i)
       for (size_t j = 0; j < i; ++j) pairs->push_back({p.node[i], p.node[j]});
-}
-
-void add(const StepReport& part, StepReport* sum) {
-  sum->converged = sum->converged && part.converged;
-  sum->newton_iterations += part.newton_iterations;
-  sum->linear_iterations += part.linear_iterations;
-  sum->force_evaluations += part.force_evaluations;
-  // Not std::max, which loses a NaN.
-  if (!(part.residual <= sum->residual)) sum->residual = part.residual;
-  sum->seconds_assembly += part.seconds_assembly;
-  sum->seconds_solve += part.seconds_solve;
 }
 
 }  // namespace
@@ -139,7 +121,11 @@ void World::Parts::start() {
   step_count = 0;
   report = StepReport();
   substeps = 1;
+  repeated = 0;
+  safe_until = 0.0;
   max_penetration = 0.0;
+  book.forget();
+  set_control(settings.control);
   limits_met = true;
   if (meetings) meetings->forget();
   failure.clear();
@@ -150,6 +136,12 @@ void World::Parts::start() {
   for (const GraspRequest& g : initial_grasps) grasps.add(g, state);
   colliders_changed();
   held_nodes_changed();
+}
+
+void World::Parts::set_control(const StepControlSettings& control) {
+  for (const double number : {control.error, control.budget, control.floor})
+    if (!std::isfinite(number) || number <= 0.0) throw InputError("error, budget and floor of a control must be > 0");
+  controller = control.control == StepControl::kFixed ? nullptr : std::make_unique<StepController>(control);
 }
 
 void World::Parts::held_nodes_changed() {
@@ -176,11 +168,14 @@ void World::Parts::held_nodes_changed() {
     for (int node : dynamics.kinematics.node) inverse_mass[node] = 0.0;
   }
   stable_dt_age = -1;
+  book.begin();
+  if (controller) controller->hurry();
   if (state.x_before.cols() == 0) state.dt_before = 0.0;  // a node let go has another acceleration
   integrator->reset();
 }
 
 void World::Parts::colliders_changed() {
+  book.begin();
   dynamics.contacts.clear();
   if (colliders.empty()) {
     contacts.reset();
@@ -189,33 +184,6 @@ void World::Parts::colliders_changed() {
   }
   if (!contacts) contacts = std::make_unique<ContactFinder>(model.get());
   contacts->set_colliders(colliders.colliders());
-}
-
-void World::Parts::keep_last_good() {
-  good_state = state;
-  grasps.save_motions(&good_grasps);
-  good_colliders = colliders.motions();
-  if (contacts) contacts->begin_step();
-  if (meetings) meetings->begin_step();
-}
-
-void World::Parts::restore_last_good() {
-  state = good_state;
-  grasps.restore_motions(good_grasps);
-  colliders.restore_motions(good_colliders);
-  if (contacts) contacts->restart_step();
-  if (meetings) meetings->restart_step();
-}
-
-bool World::Parts::state_is_sane() const {
-  // An implicit step whose forces are not numbers leaves a finite state and a residual that is none. Of a scheme whose
-  // unknowns are tensions a large one is no sign of divergence: stiffness times what is left to do.
-  // Where bodies meet, shorter parts are judged by how far what is left would move a node, as whole steps are.
-  const double shorter = meetings ? 1 << refinements : 1;
-  const double most = integrator->needs().jacobian ? kDiverged * shorter * shorter : std::numeric_limits<double>::max();
-  // A sum is finite only where all that it sums is, and far quicker than a look at each.
-  return std::isfinite(state.x.sum()) && std::isfinite(state.v.sum()) && report.residual <= most &&
-         state.x.cwiseAbs().maxCoeff() <= kFurthest;
 }
 
 double World::Parts::clock() const {
@@ -229,7 +197,7 @@ void World::Parts::integrate(double h) {
   cost.integrate += clock() - start;
   if (timed) cost.assembly += part.seconds_assembly;
   if (timed) cost.solve += part.seconds_solve;
-  add(part, &report);
+  add_report(part);
   if (limiter) limit_strain(h);
   for (const Energy* energy : dynamics.energies) energy->end_step(&state);
 }
@@ -277,30 +245,26 @@ bool World::Parts::integrate_with_contacts(double h, const State& before) {
   return true;
 }
 
-/// Where even the last, shortest part would have bodies cross, nothing moves in it.
-void World::Parts::keep_bodies_apart(double h, const State& before) {
+/// Moves grasps and colliders to where they are at the end of the part. Soft grasps do work in that moment.
+void World::Parts::prescribe(double h) {
   const double start = clock();
-  violation = std::max(violation, BodyContacts::violation(before.x, state.x, dynamics.contacts));
-  const double wanting = meetings->keep_apart(before.x, inverse_mass, h, &state);
-  if (wanting > 0.0) violation = std::max(violation, kLost + wanting);
-  if (wanting > 0.0 && refinements >= kMaxHalvings) {
-    state.x = before.x;
-    state.v.setZero();
+  if (!grasps.empty()) {
+    const double before = grasps.stored_energy(state);
+    grasps.advance(h, state, &dynamics.kinematics);
+    book.add(grasps.stored_energy(state) - before);
+    book.begin_held(dynamics.kinematics, state.x);
   }
-  cost.meetings += clock() - start;
+  if (!colliders.empty()) colliders.advance(h, &collider_steps);
+  cost.grasps += clock() - start;
 }
 
 bool World::Parts::advance(double h, double fraction, const State& before) {
-  if (!grasps.empty() || !colliders.empty()) {
-    const double start = clock();
-    if (!grasps.empty()) grasps.advance(h, state, &dynamics.kinematics);
-    if (!colliders.empty()) colliders.advance(h, &collider_steps);
-    cost.grasps += clock() - start;
-  }
+  if (!grasps.empty() || !colliders.empty()) prescribe(h);
 
   bool sane = false;
   if (contacts || meetings) {
     sane = integrate_with_contacts(h, before);
+    book.add_colliders(dynamics.contacts, h);
   } else {
     integrate(h);
     sane = state_is_sane();
@@ -309,28 +273,10 @@ bool World::Parts::advance(double h, double fraction, const State& before) {
   if (!grasps.empty()) {
     const double start = clock();
     grasps.measure(dynamics.kinematics, state, fraction);
+    book.end_held(dynamics.kinematics, state.x);
     cost.grasps += clock() - start;
   }
   return sane;
-}
-
-bool World::Parts::try_step(int parts) {
-  report = StepReport();
-  violation = 0.0;
-  grasps.clear_wrenches();
-  for (int i = 0; i < parts; ++i) {
-    if (i > 0 && (contacts || meetings)) part_state = state;
-    if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
-  }
-  return true;
-}
-
-bool World::Parts::is_poor(int refinement) const {
-  // What an implicit contact gives way shrinks with the square of the part. A point far behind its plane is about to be
-  // lost on the other side: worth more.
-  if (violation > kLost) return true;
-  if (violation > kViolation) return refinement < kMaxRefinements;
-  return refinement == 0 && integrator->needs().jacobian && !report.converged && report.residual > kGrossResidual;
 }
 
 World::World(std::shared_ptr<const Model> model, WorldSettings settings, std::vector<Collider> colliders,
@@ -338,51 +284,8 @@ World::World(std::shared_ptr<const Model> model, WorldSettings settings, std::ve
     : parts_(std::make_unique<Parts>(std::move(model), std::move(settings), std::move(colliders), std::move(grasps))) {}
 World::~World() = default;
 
-StepOutcome World::step() {
-  Parts& w = *parts_;
-  const Workers::Shift shift(w.dynamics.workers);
-  w.timed = w.model->node_count() >= kSmallWorld || w.step_count % kTimedSteps == 0;
-  w.keep_last_good();
-  w.substeps = w.wanted_parts();
-  w.refinements = 0;
-  bool ok = w.try_step(w.substeps);
-  while (w.refinements < kMaxHalvings && (!ok || w.is_poor(w.refinements))) {
-    w.restore_last_good();
-    w.substeps *= 2;
-    ++w.refinements;
-    ok = w.try_step(w.substeps);
-  }
-
-  StepOutcome outcome;
-  outcome.report = w.report;
-  w.failure.clear();
-  if (!ok) {
-    w.restore_last_good();
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "no finite state at t = %.6g s, even with steps of %.3g s: forces too stiff for %s, or an impossible command",
-        w.state.time + w.settings.dt, w.settings.dt / w.substeps, w.integrator->name().c_str());
-    outcome.ok = false;
-    outcome.message = text;
-    // Nothing of the failed attempt is reported: its forces need not be finite.
-    w.report = StepReport();
-    w.report.converged = false;
-    w.grasps.clear_wrenches();
-    w.dynamics.contacts.clear();
-    w.failure = text;
-    return outcome;
-  }
-  // From the count, so that a stamp does not carry the rounding of all steps before it.
-  ++w.step_count;
-  w.state.time = static_cast<double>(w.step_count) * w.settings.dt;
-  if (w.contacts) w.max_penetration = w.contacts->penetration(w.state.x, w.collider_steps, w.dynamics.contacts);
-  if (!w.grasps.empty() && w.grasps.slip_overloaded()) w.held_nodes_changed();
-  if (w.timed && ++w.cost.steps == CostWindow::kSteps) {
-    w.last_cost = w.cost;
-    w.cost = CostWindow();
-  }
-  return outcome;
+void World::set_control(const StepControlSettings& control) {
+  parts_->set_control(control);
 }
 
 double World::time() const {

@@ -11,8 +11,10 @@
 #include "deformable_sim/core/contact/contact_finder.h"
 #include "deformable_sim/core/grasp/grasp_set.h"
 #include "deformable_sim/core/parallel/workers.h"
+#include "deformable_sim/core/step_control.h"
 #include "deformable_sim/core/strain_limit.h"
 #include "deformable_sim/core/world.h"
+#include "energy_book.h"
 
 namespace deformable_sim {
 
@@ -30,6 +32,7 @@ struct CostWindow {
 /// third of what a short rope costs.
 constexpr int kSmallWorld = 300;  // nodes
 constexpr int kTimedSteps = 8;
+constexpr double kRemembered = 1.0;  // s of simulated time for which what went wrong in a step is told
 
 struct World::Parts {
   Parts(std::shared_ptr<const Model> shared_model, WorldSettings world_settings, std::vector<Collider> colliders,
@@ -62,9 +65,14 @@ struct World::Parts {
   int substeps = 1;
   int refinements = 0;  // how often the last step was begun anew in shorter parts
   double max_penetration = 0.0;
-  double violation = 0.0;  // m, of the worst contact in any part of the step
-  std::string failure;     // why the last step could not be made
-  double excess = 0.0;     // over the worst strain limit, relative, after the projection
+  double violation = 0.0;      // m, of the worst contact in any part of the step
+  bool makes_energy = false;   // so it seems: see EnergyBook::is_possible()
+  std::uint64_t repeated = 0;  // steps that were begun anew, since the start
+  double safe_until = 0.0;     // s: until when it is told that the safe scheme had to make a step
+  EnergyBook book;
+  std::unique_ptr<StepController> controller;  // only where the parts of steps are not fixed
+  std::string failure;                         // why the last step could not be made
+  double excess = 0.0;                         // over the worst strain limit, relative, after the projection
   bool limits_met = true;
   bool timed = true;  // the present step
   CostWindow cost, last_cost;
@@ -76,12 +84,14 @@ struct World::Parts {
 
   // To repeat a step.
   State good_state, part_state;
+  Nodes coarse_x, coarse_v;  // of step_twice()
   std::vector<FrameMotion> good_grasps, good_colliders;
 
   /// What the schemes' matrices are made of, as far as this scene needs any.
   void make_pattern();
   /// Throws InputError where bodies that may not cross do from the start.
   void make_meetings();
+  void set_control(const StepControlSettings& control);
   /// Initial state, colliders and grasps. Throws InputError.
   void start();
   /// Kinematics, springs and everything that depends on which nodes are held.
@@ -92,6 +102,12 @@ struct World::Parts {
   double clock() const;
   void keep_last_good();
   void restore_last_good();
+  bool step_in_parts();
+  bool step_twice();
+  bool step_safely();
+  void accept_step();
+  std::string refuse_step();
+  void add_report(const StepReport& part);
   /// One step in `parts` equal parts. False when the state left the finite world.
   bool try_step(int parts);
   /// Prescribes, finds contacts, integrates, measures: one part of a step, h seconds. before: where it starts, for
@@ -101,6 +117,7 @@ struct World::Parts {
   bool integrate_with_contacts(double h, const State& before);
   /// After a part of a step from `before`: nothing has crossed, or the step is made again.
   void keep_bodies_apart(double h, const State& before);
+  void prescribe(double h);
   void integrate(double h);
   void limit_strain(double h);
   bool state_is_sane() const;
@@ -108,6 +125,8 @@ struct World::Parts {
   bool is_poor(int refinement) const;
   /// Parts that this step needs: 1, or more for an explicit scheme past its stability limit.
   int wanted_parts();
+  /// Saved states. Throws InputError; what was read up to then stays.
+  void pass(Archive* archive);
   std::vector<std::string> warnings() const;
   /// Elastic energies of the bodies.
   void add_elastic_energies(std::vector<BodyReport>* reports);

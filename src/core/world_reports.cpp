@@ -110,6 +110,28 @@ void warn_of_strain(const Model& model, const std::vector<BodyReport>& reports, 
   }
 }
 
+/// One line for each soft body with tetrahedra that are turned inside out, where some laws have no energy (neo_hookean
+/// and mooney_rivlin with J <= 0).
+void warn_of_inversion(const Model& model, const Nodes& x, const std::vector<BodyReport>& reports,
+                       std::vector<std::string>* warnings) {
+  for (size_t b = 0; b < model.bodies.size(); ++b) {
+    const Body& body = model.bodies[b];
+    if (!body.volume) continue;
+    int inverted = 0;
+    for (const auto& t : body.volume->tets) {
+      const auto at = [&](size_t k) -> Vec3 { return x.col(body.first_node + t[k]); };
+      if ((at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) <= 0.0) ++inverted;
+    }
+    const bool lawless = !std::isfinite(reports[b].elastic_energy);
+    if (inverted == 0 && !lawless) continue;
+    warnings->push_back("body " + body.name + " is turned inside out in " + std::to_string(inverted) + " of its " +
+                        std::to_string(body.volume->tets.size()) + " tetrahedra" +
+                        (lawless ? ", where its material law has no energy; stable_neo_hookean and corotational are "
+                                   "safe there"
+                                 : ""));
+  }
+}
+
 /// Multigrid is of two kinds, and not known to all schemes.
 std::string solver_name(const SolverSettings& settings, const Integrator& integrator, const Dynamics& d) {
   switch (settings.linear) {
@@ -135,13 +157,17 @@ std::string threads_text(const Workers* workers) {
 
 // m/s^2, about twice gravity: fast slack cloth misses the Newton tolerance at most steps without showing; see ~status.
 constexpr double kNotableResidual = 20.0;
+constexpr double kNotableGain = 0.1;           // of the energy that moves, in a second
+constexpr double kLeastEnergy = 1e-6;          // J: less is nothing
+constexpr double kNotablePenetration = 0.002;  // m
 
 }  // namespace
 
 std::vector<std::string> World::Parts::warnings() const {
   std::vector<std::string> warnings = model->notes;
   char text[200];
-  if (std::isfinite(stable_dt) && substeps > 1) {
+  const bool safely = state.time < safe_until;
+  if (std::isfinite(stable_dt) && substeps > 1 && !safely) {
     std::snprintf(text, sizeof text, "%s takes %d substeps of %.3g s to stay stable; implicit_euler does not need them",
                   integrator->name().c_str(), substeps, settings.dt / substeps);
     warnings.emplace_back(text);
@@ -155,6 +181,21 @@ std::vector<std::string> World::Parts::warnings() const {
                   excess);
     warnings.emplace_back(text);
   }
+  if (safely) {
+    warnings.push_back(integrator->name() +
+                       " found no step; implicit_euler made it, which damps motion: a smaller step.dt mends it");
+  }
+  if (book.created_lately() > kNotableGain * book.scale() && book.created_lately() > kNotableGain * kLeastEnergy) {
+    std::snprintf(text, sizeof text,
+                  "energy from nowhere: %.3g J in the last second, where %.3g J move; a smaller step.dt mends it",
+                  book.created_lately(), book.scale());
+    warnings.emplace_back(text);
+  }
+  if (max_penetration > kNotablePenetration) {
+    std::snprintf(text, sizeof text, "a contact point is %.3g mm inside a collider", 1e3 * max_penetration);
+    warnings.emplace_back(text);
+  }
+  if (controller && !controller->complaint().empty()) warnings.push_back(controller->complaint());
   if (!failure.empty()) {
     warnings.push_back(failure);
   } else if (!report.converged && report.residual > kNotableResidual) {
@@ -194,6 +235,8 @@ Snapshot World::snapshot(SnapshotDetail detail) const {
   s.integrator = w.integrator->name();
   s.dt = w.settings.dt;
   s.substeps = w.substeps;
+  s.repeated = w.repeated;
+  s.energy_created = w.book.created();
   s.max_penetration = w.max_penetration;
   if (detail == SnapshotDetail::kMotion) return s;
 
@@ -201,6 +244,7 @@ Snapshot World::snapshot(SnapshotDetail detail) const {
   w.add_elastic_energies(&s.bodies);
   s.warnings = w.warnings();
   warn_of_strain(*w.model, s.bodies, &s.warnings);
+  warn_of_inversion(*w.model, w.state.x, s.bodies, &s.warnings);
 
   const CostWindow& cost = w.last_cost.steps > 0 ? w.last_cost : w.cost;
   if (cost.steps == 0) return s;

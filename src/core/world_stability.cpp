@@ -88,10 +88,11 @@ double highest_damping_rate(const Dynamics& d, const State& s, Effort effort) {
 }
 
 int World::Parts::wanted_parts() {
+  const int least = controller ? controller->parts() : settings.parts;
   const double limit = integrator->stability_limit();
   if (!std::isfinite(limit)) {
     stable_dt = std::numeric_limits<double>::infinity();
-    return meetings ? std::max(settings.parts, meetings->parts_for(settings.dt)) : settings.parts;
+    return meetings ? std::max(least, meetings->parts_for(settings.dt)) : least;
   }
   if (stable_dt_age < 0 || stable_dt_age >= kRemeasureSteps) {
     const double omega = highest_frequency(dynamics, state), rate = highest_damping_rate(dynamics, state);
@@ -101,8 +102,9 @@ int World::Parts::wanted_parts() {
     stable_dt_age = 0;
   }
   ++stable_dt_age;
+  if (!(stable_dt > 0.0)) return least;  // of forces that are no numbers
   const double parts = std::ceil(settings.dt / (kSafety * stable_dt) - 1e-9);
-  return static_cast<int>(std::clamp(parts, static_cast<double>(settings.parts), static_cast<double>(kMaxParts)));
+  return static_cast<int>(std::clamp(parts, static_cast<double>(least), static_cast<double>(kMaxParts)));
 }
 
 }  // namespace deformable_sim

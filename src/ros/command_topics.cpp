@@ -1,5 +1,6 @@
 #include <ros/console.h>
 
+#include "deformable_sim/ros/careful_messages.h"
 #include "deformable_sim/ros/commands.h"
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/grasp_requests.h"
@@ -15,12 +16,15 @@ constexpr int kTargetQueue = 1;  // streamed: only the newest counts
 }  // namespace
 
 CommandTopics::CommandTopics(const ros::NodeHandle& private_nh, Simulation* simulation, Frames* frames,
-                             Warnings* warnings)
-    : nh_(private_nh), simulation_(simulation), frames_(frames), warnings_(warnings) {}
+                             Warnings* warnings, const AllowedPaths* files)
+    : nh_(private_nh), simulation_(simulation), frames_(frames), warnings_(warnings), files_(files) {}
 
 void CommandTopics::start() {
-  fixed_.push_back(nh_.subscribe("grasp_command", kCommandQueue, &CommandTopics::grasp_command, this));
-  fixed_.push_back(nh_.subscribe("obstacle", kCommandQueue, &CommandTopics::obstacle, this));
+  auto grasps = careful_subscription<msg::GraspCommand>(
+      "grasp_command", kCommandQueue, [this](const msg::GraspCommandConstPtr& message) { grasp_command(*message); });
+  auto obstacles = careful_subscription<msg::Obstacle>(
+      "obstacle", kCommandQueue, [this](const msg::ObstacleConstPtr& message) { obstacle(*message); });
+  fixed_ = {nh_.subscribe(grasps), nh_.subscribe(obstacles)};
 }
 
 void CommandTopics::update(const std::vector<std::string>& grasp_names) {
@@ -31,9 +35,10 @@ void CommandTopics::update(const std::vector<std::string>& grasp_names) {
       next[name] = known->second;
       continue;
     }
-    next[name] = nh_.subscribe<geometry_msgs::PoseStamped>(
+    auto targets = careful_subscription<geometry_msgs::PoseStamped>(
         "grasp/" + name + "/target", kTargetQueue,
         [this, name](const geometry_msgs::PoseStampedConstPtr& message) { target(name, *message); });
+    next[name] = nh_.subscribe(targets);
   }
   targets_.swap(next);
 }
@@ -60,7 +65,7 @@ void CommandTopics::obstacle(const msg::Obstacle& message) {
   const std::string what = "obstacle '" + printable(message.name) + "'";
   try {
     if (message.action == msg::Obstacle::ADD) {
-      const ObstacleRequest request = to_obstacle(message, frames_);
+      const ObstacleRequest request = to_obstacle(message, *files_, frames_);
       if (request.frame_from_collider) {
         simulation_->post_attach(request.collider, *request.frame_from_collider, reporter(what));
       } else {

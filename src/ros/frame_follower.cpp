@@ -89,6 +89,53 @@ std::vector<std::string> FrameFollower::colliders() const {
   return names;
 }
 
+void FrameFollower::pass(Archive* archive, const std::vector<Collider>& attached,
+                         std::vector<Follower>* followers) const {
+  archive->pass_each(followers, sizeof(Pose), [&](Follower* f) {
+    bool placed = f->frame_from_part.has_value(), absent = f->absent.has_value();
+    Pose frame_from_part = f->frame_from_part.value_or(Pose::Identity());
+    archive->pass_enum(&f->kind, Kind::kCollider);
+    archive->pass(&f->name);
+    archive->pass(&f->frame);
+    archive->pass(&placed);
+    archive->pass(&frame_from_part);
+    archive->pass(&f->world_from_part);
+    archive->pass(&absent);
+    archive->pass(&f->waiting);
+    if (!archive->reads()) return;
+    if (placed) f->frame_from_part = frame_from_part;
+    if (!absent) return;
+    // Only the scene's own wait for their frames outside the world.
+    const auto given =
+        std::find_if(attached.begin(), attached.end(), [f](const Collider& c) { return c.name == f->name; });
+    if (given == attached.end()) Archive::refuse("of another robot: it has " + f->name);
+    f->absent = *given;
+  });
+}
+
+std::string FrameFollower::save() const {
+  Archive archive;
+  std::vector<Follower> followers = followers_;
+  pass(&archive, {}, &followers);
+  return archive.bytes();
+}
+
+std::vector<FrameFollower::Follower> FrameFollower::read(const std::string& bytes,
+                                                         const std::vector<Collider>& attached) const {
+  std::vector<Follower> followers;
+  if (bytes.empty()) return followers;
+  Archive archive(bytes);
+  pass(&archive, attached, &followers);
+  archive.end();
+  return followers;
+}
+
+void FrameFollower::go_on_with(std::vector<Follower> followers) {
+  remove(Kind::kGrasp, "");
+  remove(Kind::kCollider, "");
+  followers_ = std::move(followers);
+}
+
 void FrameFollower::update(World* world) {
   for (Follower& follower : followers_) {
     const auto pose = frames_.latest(follower.frame);

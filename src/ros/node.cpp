@@ -13,6 +13,7 @@
 
 #include "deformable_sim/ros/commands.h"
 #include "deformable_sim/ros/convert.h"
+#include "deformable_sim/ros/network_files.h"
 #include "deformable_sim/ros/topic_keeper.h"
 
 namespace deformable_sim {
@@ -51,17 +52,18 @@ class Node {
   Node()
       : nh_("~"),
         parameters_(read_parameters(nh_)),
+        files_(network_files(parameters_)),
         frames_(parameters_.frame_id, parameters_.tf_timeout),
         simulation_(parameters_, &frames_, &warnings_),
-        topics_(nh_, &simulation_, &frames_, &warnings_),
+        topics_(nh_, &simulation_, &frames_, &warnings_, &files_),
         loader_(nh_, parameters_, &frames_,
                 [this](const std::string& grasp, const geometry_msgs::PoseStamped& target) {
                   topics_.target(grasp, target);
                 }),
-        services_(nh_, parameters_.frame_id, &simulation_, &frames_, &loader_) {}
+        services_(nh_, parameters_, &simulation_, &frames_, &loader_, &files_) {}
 
   void run() {
-    LoadedScene scene = loader_.from_file(parameters_.scene);
+    LoadedScene scene = loader_.from_file(parameters_.scene, AllowedPaths());
     if (!ros::ok()) return;
     if (parameters_.publish_clock) {
       check_no_other_clock();
@@ -97,6 +99,7 @@ class Node {
  private:
   ros::NodeHandle nh_;
   Parameters parameters_;
+  AllowedPaths files_;
   Warnings warnings_;
   Frames frames_;
   Simulation simulation_;

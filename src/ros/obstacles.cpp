@@ -5,7 +5,7 @@
 #include "deformable_sim/core/contact/solid_parts.h"
 #include "deformable_sim/ros/build_progress.h"
 #include "deformable_sim/ros/convert.h"
-#include "deformable_sim/ros/resource.h"
+#include "deformable_sim/ros/network_files.h"
 #include "deformable_sim/scene/collider_file.h"
 #include "deformable_sim/scene/octomap_file.h"
 
@@ -97,13 +97,10 @@ std::vector<Shape> to_shapes(const shape_msgs::Mesh& m, const std::string& name,
   }
 }
 
-Shape to_shape(const msg::Octomap& m, std::size_t number) {
+Shape to_shape(const msg::Octomap& m, std::size_t number, const AllowedPaths& files) {
   const std::string who = "octomaps[" + std::to_string(number) + "]";
   try {
-    const std::string scheme = "file://";
-    const std::string path = m.file.rfind(scheme, 0) == 0 ? m.file.substr(scheme.size()) : m.file;
-    if (path.rfind('/', 0) == 0) return load_octomap(path);
-    if (!m.file.empty()) return octomap_from_bytes(read_resource(m.file), printable(m.file));
+    if (!m.file.empty()) return load_octomap(path_of_url(m.file, files));
     return octomap_shape({m.binary != 0, m.id, m.resolution, std::string(m.data.begin(), m.data.end())});
   } catch (const InputError& error) {
     throw InputError(who + ": " + error.what(), error.code());
@@ -121,7 +118,7 @@ void check_sizes(const msg::Obstacle& m) {
 
 }  // namespace
 
-ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
+ObstacleRequest to_obstacle(const msg::Obstacle& m, const AllowedPaths& files, Frames* frames) {
   check_name("name", m.name);
   check_sizes(m);
   if (m.primitives.size() != m.primitive_poses.size()) {
@@ -164,7 +161,7 @@ ObstacleRequest to_obstacle(const msg::Obstacle& m, Frames* frames) {
     poses.push_back(to_pose(plane));
   }
   for (std::size_t i = 0; i < m.octomaps.size(); ++i) {
-    collider.shapes.push_back(to_shape(m.octomaps[i], i));
+    collider.shapes.push_back(to_shape(m.octomaps[i], i, files));
     poses.push_back(to_pose(m.octomap_poses[i], "octomap_poses"));
   }
   for (std::size_t i = 0; i < poses.size(); ++i) collider.shapes[i].collider_from_shape = poses[0].inverse() * poses[i];

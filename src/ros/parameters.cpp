@@ -1,6 +1,7 @@
 #include "deformable_sim/ros/parameters.h"
 
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -10,6 +11,7 @@
 
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/ros/convert.h"
+#include "deformable_sim/ros/saved_states.h"
 #include "deformable_sim/scene/load.h"
 
 namespace deformable_sim {
@@ -25,6 +27,17 @@ class Reader {
     if (!fetch(key, &raw)) return;
     if (raw.getType() != XmlRpc::XmlRpcValue::TypeString) refuse(key, "a string is needed");
     *value = static_cast<std::string>(raw);
+  }
+
+  void read(const char* key, std::vector<std::string>* value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!fetch(key, &raw)) return;
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeArray) refuse(key, "a list of strings is needed");
+    value->clear();
+    for (int k = 0; k < raw.size(); ++k) {
+      if (raw[k].getType() != XmlRpc::XmlRpcValue::TypeString) refuse(key, "a list of strings is needed");
+      value->push_back(static_cast<std::string>(raw[k]));
+    }
   }
 
   void read(const char* key, bool* value) {
@@ -104,6 +117,13 @@ ClockMode to_clock_mode(const std::string& text) {
   Reader::refuse("clock", "'" + printable(text) + "', allowed are real_time, as_fast_as_possible, on_demand");
 }
 
+LatePolicy to_late_policy(const std::string& text) {
+  for (const LatePolicy policy : {LatePolicy::kSlowDown, LatePolicy::kLessAccurate, LatePolicy::kStop}) {
+    if (text == to_string(policy)) return policy;
+  }
+  Reader::refuse("when_late", "'" + printable(text) + "', allowed are slow_down, less_accurate, stop");
+}
+
 std::string summary(const Parameters& p) {
   const auto rate = [](const std::optional<double>& value) -> std::string {
     if (!value) return "scene's";
@@ -115,7 +135,7 @@ std::string summary(const Parameters& p) {
   line << "scene " << p.scene << ", frame_id " << p.frame_id << ", clock " << to_string(p.clock)
        << (p.publish_clock ? " (publishes /clock)" : "") << ", rates: markers " << rate(p.rate_markers) << ", points "
        << rate(p.rate_points) << ", state " << rate(p.rate_state) << ", threads " << p.threads << ", tf_timeout "
-       << p.tf_timeout << " s" << (p.start_paused ? ", starts paused" : "");
+       << p.tf_timeout << " s, when late " << to_string(p.when_late) << (p.start_paused ? ", starts paused" : "");
   return line.str();
 }
 
@@ -133,13 +153,29 @@ const char* to_string(ClockMode mode) {
   return "";
 }
 
+const char* to_string(LatePolicy policy) {
+  switch (policy) {
+    case LatePolicy::kSlowDown:
+      return "slow_down";
+    case LatePolicy::kLessAccurate:
+      return "less_accurate";
+    case LatePolicy::kStop:
+      return "stop";
+  }
+  return "";
+}
+
 Parameters read_parameters(const ros::NodeHandle& private_nh) {
   Parameters p;
   Reader reader(private_nh);
   std::string clock = to_string(p.clock);
   p.scene_dir = default_scene_dir();
+  p.state_dir = default_state_dir();
   reader.read("scene", &p.scene);
   reader.read("scene_dir", &p.scene_dir);
+  p.scene_dir = std::filesystem::absolute(p.scene_dir).string();
+  reader.read("allowed_dirs", &p.allowed_dirs);
+  reader.read("state_dir", &p.state_dir);
   reader.read("frame_id", &p.frame_id);
   reader.read("clock", &clock);
   reader.read("publish_clock", &p.publish_clock);
@@ -147,10 +183,15 @@ Parameters read_parameters(const ros::NodeHandle& private_nh) {
   reader.read_real("rate_points", 0.0, 1000.0, &p.rate_points);
   reader.read_real("rate_state", 0.0, 1000.0, &p.rate_state);
   reader.read("threads", 1, 64, &p.threads);
+  std::string when_late = to_string(p.when_late);
+  reader.read("when_late", &when_late);
+  p.when_late = to_late_policy(when_late);
+  reader.read_real("accuracy_floor", 1e-5, 1.0, &p.accuracy_floor);
   reader.read("start_paused", &p.start_paused);
   reader.read_real("tf_timeout", 0.001, 10.0, &p.tf_timeout);
   p.clock = to_clock_mode(clock);
   if (p.scene.empty()) Reader::refuse("scene", "missing; a scene file, or the name of a shipped scene, is needed");
+  if (p.state_dir.empty()) Reader::refuse("state_dir", "empty; a folder is needed");
   if (p.frame_id.empty() || p.frame_id[0] == '/')
     Reader::refuse("frame_id", "a tf frame without leading slash is needed");
 

@@ -15,8 +15,6 @@ namespace deformable_sim {
 
 namespace {
 
-constexpr std::size_t kLongestText = 16u << 20;  // bytes
-
 /// Colliders given relative to a frame enter the world when tf says where that is.
 std::vector<Collider> take_attached(SceneSpec* spec) {
   const auto begin = std::stable_partition(spec->colliders.begin(), spec->colliders.end(),
@@ -34,13 +32,12 @@ SceneLoader::SceneLoader(const ros::NodeHandle& private_nh, const Parameters& pa
                          Drag drag_grasp)
     : private_nh_(private_nh), parameters_(parameters), frames_(frames), drag_grasp_(std::move(drag_grasp)) {}
 
-LoadedScene SceneLoader::from_file(const std::string& file) const {
-  return build(load_scene_file(find_scene(file, parameters_.scene_dir)));
+LoadedScene SceneLoader::from_file(const std::string& file, const AllowedPaths& files) const {
+  return build(load_scene_file(find_scene(file, parameters_.scene_dir, files), {}, files));
 }
 
-LoadedScene SceneLoader::from_text(const std::string& yaml) const {
-  if (yaml.size() > kLongestText) throw InputError("yaml: longer than 16 MiB", Code::kOutOfRange);
-  return build(load_scene_text(yaml, "yaml"));
+LoadedScene SceneLoader::from_text(const std::string& yaml, const AllowedPaths& files) const {
+  return build(load_scene_text(yaml, "yaml", {}, files));
 }
 
 LoadedScene SceneLoader::build(SceneSpec spec) const {

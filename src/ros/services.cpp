@@ -6,6 +6,7 @@
 #include <std_srvs/Trigger.h>
 
 #include "deformable_sim/core/contact/body_distance.h"
+#include "deformable_sim/ros/careful_messages.h"
 #include "deformable_sim/ros/commands.h"
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/grasp_requests.h"
@@ -39,11 +40,11 @@ Status guarded(const Action& action) {
 
 template <typename Request, typename Response, typename Handler>
 ros::ServiceServer serve(ros::NodeHandle nh, const std::string& name, Handler handler) {
-  const boost::function<bool(Request&, Response&)> callback = [handler](Request& request, Response& response) {
+  auto options = careful_service<Request, Response>(name, [handler](Request& request, Response& response) {
     handler(request, &response);
     return true;
-  };
-  return nh.advertiseService<Request, Response>(name, callback);
+  });
+  return nh.advertiseService(options);
 }
 
 /// std_srvs answer with success and message.
@@ -95,9 +96,15 @@ const Body& find_body(const Model& model, const std::string& name) {
 
 }  // namespace
 
-Services::Services(const ros::NodeHandle& private_nh, const std::string& frame_id, Simulation* simulation,
-                   Frames* frames, const SceneLoader* loader)
-    : nh_(private_nh), frame_id_(frame_id), simulation_(simulation), frames_(frames), loader_(loader) {}
+Services::Services(const ros::NodeHandle& private_nh, const Parameters& parameters, Simulation* simulation,
+                   Frames* frames, const SceneLoader* loader, const AllowedPaths* files)
+    : nh_(private_nh),
+      frame_id_(parameters.frame_id),
+      simulation_(simulation),
+      frames_(frames),
+      loader_(loader),
+      files_(files),
+      saved_states_(parameters.state_dir) {}
 
 void Services::start() {
   advertise_grasps();
@@ -149,6 +156,27 @@ void Services::advertise_time() {
   servers_.push_back(
       serve<std_srvs::TriggerRequest, std_srvs::TriggerResponse>(nh_, "reset", [this](const auto&, auto* response) {
         fill_std(guarded([&] { return answer(simulation_->reset()); }), response);
+      }));
+  servers_.push_back(
+      serve<msg::SaveStateRequest, msg::SaveStateResponse>(nh_, "save_state", [this](const auto& q, auto* response) {
+        const Status status = guarded([&] {
+          SavedState state;
+          const Reply reply = simulation_->save(&state);
+          if (!reply.status.ok()) return reply.status;
+          saved_states_.put(q.name, q.file, state);
+          response->time = state.time;
+          return Status();
+        });
+        fill(status, &response->status);
+      }));
+  servers_.push_back(serve<msg::RestoreStateRequest, msg::RestoreStateResponse>(
+      nh_, "restore_state", [this](const auto& q, auto* response) {
+        const Status status = guarded([&] {
+          SavedState state = saved_states_.get(q.name, q.file);
+          response->time = state.time;
+          return answer(simulation_->restore(std::move(state)));
+        });
+        fill(status, &response->status);
       }));
   servers_.push_back(serve<msg::StepRequest, msg::StepResponse>(
       nh_, "step", [this](const auto& request, auto* response) { step(request, response); }));
@@ -217,13 +245,14 @@ void Services::load(const msg::LoadSceneRequest& request) {
   if (request.file.empty() == request.yaml.empty()) {
     throw InputError("file, yaml: one of the two must be given, the other empty");
   }
-  LoadedScene scene = request.yaml.empty() ? loader_->from_file(request.file) : loader_->from_text(request.yaml);
+  LoadedScene scene =
+      request.yaml.empty() ? loader_->from_file(request.file, *files_) : loader_->from_text(request.yaml, *files_);
   const Reply reply = simulation_->replace(std::move(scene));
   if (!reply.status.ok()) throw InputError(reply.status.message, reply.status.code);
 }
 
 Reply Services::add_obstacle(const msg::AddObstacleRequest& request) {
-  const ObstacleRequest obstacle = to_obstacle(request.obstacle, frames_);
+  const ObstacleRequest obstacle = to_obstacle(request.obstacle, *files_, frames_);
   if (obstacle.frame_from_collider) return simulation_->attach(obstacle.collider, *obstacle.frame_from_collider);
   return simulation_->apply({command::AddCollider{obstacle.collider}});
 }

@@ -14,6 +14,7 @@ namespace {
 constexpr double kDeadline = 5.0;        // s (wall) until a request that nobody gets to is taken back
 constexpr double kIdleWait = 0.1;        // s: how soon a newcomer sees a paused world
 constexpr double kUnshownWait = 0.005;   // s
+constexpr double kBudgetWhenLate = 0.8;  // CPU s per simulated s
 constexpr double kToleratedLoss = 0.02;  // of simulated time, before real time counts as not held
 
 double seconds_since(SpeedMeter::Clock::time_point begin) {
@@ -95,10 +96,12 @@ Reply Simulation::pause(bool paused) {
   return queue_.call(
       [this, paused] {
         if (!paused && !failure_.empty()) {
-          return refused(Code::kUnavailable, "the simulation failed (" + failure_ + "); ~reset or ~load_scene first");
+          return refused(Code::kUnavailable,
+                         "the simulation failed (" + failure_ + "); ~reset, ~restore_state or ~load_scene first");
         }
         if (!paused && paused_) pacer_.restart(scene_.world->time());
         paused_ = paused;
+        if (!paused) warnings_->clear("behind");
         ++version_;
         return Reply();
       },
@@ -122,6 +125,40 @@ Reply Simulation::replace(LoadedScene scene) {
         end_steps({Code::kUnavailable, "another scene was loaded"});
         std::swap(scene_, *box);
         begin_world();
+        return Reply();
+      },
+      kDeadline);
+}
+
+Reply Simulation::save(SavedState* state) {
+  return queue_.call(
+      [this, state] {
+        state->scene = scene_.spec.file.empty() ? "(text)" : scene_.spec.file;
+        state->time = scene_.world->time();
+        state->script = scene_.script.taken();
+        state->world = scene_.world->save();
+        state->frames = follower_.save();
+        return Reply();
+      },
+      kDeadline);
+}
+
+Reply Simulation::restore(SavedState state) {
+  const auto box = std::make_shared<SavedState>(std::move(state));
+  return queue_.call(
+      [this, box] {
+        try {
+          Script script = scene_.script;
+          script.go_on_after(box->script);
+          auto followers = follower_.read(box->frames, scene_.attached);
+          scene_.world->restore(box->world);
+          scene_.script = std::move(script);
+          follower_.go_on_with(std::move(followers));
+        } catch (const InputError& error) {
+          return refused(error.code(), box->scene + ": " + error.what());
+        }
+        end_steps({Code::kUnavailable, "another state was restored"});
+        begin_time();
         return Reply();
       },
       kDeadline);
@@ -214,9 +251,9 @@ void Simulation::advance() {
   if (!outcome.ok) {
     failure_ = outcome.message.empty() ? "no finite state" : outcome.message;
     warnings_->set("failure", "stopped on the last good state: " + failure_);
-    ROS_ERROR_STREAM_NAMED("simulation", "stopped on the last good state at " << scene_.world->time()
-                                                                              << " s: " << failure_
-                                                                              << "; ~reset or ~load_scene recovers");
+    ROS_ERROR_STREAM_NAMED("simulation", "stopped on the last good state at "
+                                             << scene_.world->time() << " s: " << failure_
+                                             << "; ~reset, ~restore_state or ~load_scene recovers");
     end_steps({Code::kInternal, failure_});
     return;
   }
@@ -251,8 +288,27 @@ void Simulation::watch_speed(double cost, SpeedMeter::Clock::time_point began) {
   text << "real time is not held: factor " << std::fixed << speed_.factor() << ", a step of "
        << scene_.world->settings().dt * 1e3 << " ms takes " << speed_.mean_step_seconds() * 1e3 << " ms (longest "
        << speed_.longest_step_seconds() * 1e3 << " ms)";
+  give_way(&text);
   warnings_->set("behind", text.str());
   ROS_WARN_STREAM_THROTTLE_NAMED(10.0, "real_time", text.str());
+}
+
+/// Real time is not held: what ~when_late says, and a word of it.
+void Simulation::give_way(std::ostream* text) {
+  if (parameters_.when_late == LatePolicy::kStop) {
+    paused_ = true;
+    speed_.pause();
+    *text << "; paused, as when_late says: ~pause goes on";
+  } else if (parameters_.when_late == LatePolicy::kLessAccurate) {
+    StepControlSettings control;
+    control.control = StepControl::kBudget;
+    control.error = std::min(scene_.spec.step.error, parameters_.accuracy_floor);
+    control.budget = kBudgetWhenLate;
+    control.floor = parameters_.accuracy_floor;
+    if (!gives_way_) scene_.world->set_control(control);
+    gives_way_ = true;
+    *text << "; accuracy gives way, up to an error of " << 100.0 * control.floor << " % a second, then time";
+  }
 }
 
 Reply Simulation::all_now(const std::vector<Command>& commands) {
@@ -298,7 +354,8 @@ Reply Simulation::attach_now(const Collider& collider, const Pose& frame_from_co
 
 Reply Simulation::start_steps(const std::shared_ptr<StepRun>& run) {
   if (!failure_.empty()) {
-    return refused(Code::kUnavailable, "the simulation failed (" + failure_ + "); ~reset or ~load_scene first");
+    return refused(Code::kUnavailable,
+                   "the simulation failed (" + failure_ + "); ~reset, ~restore_state or ~load_scene first");
   }
   if (!paused_ && parameters_.clock != ClockMode::kOnDemand) {
     return refused(Code::kUnavailable, "time runs by itself; ~pause first, or start the node with clock: on_demand");
@@ -325,16 +382,23 @@ void Simulation::begin_world() {
     model_ = scene_.world->shared_model();
     dt_ = scene_.world->settings().dt;
   }
-  failure_.clear();
-  warnings_->clear("failure");
-  warnings_->clear("script");
   scene_.script.restart();
   outputs_.use(scene_.publishers);
   if (pacer_.stamp(0.0).isZero()) frames_->forget();
+  follower_.begin(scene_.attached, scene_.world->grasp_reports());
+  begin_time();
+}
+
+/// Simulated time has jumped to that of the world.
+void Simulation::begin_time() {
+  failure_.clear();
+  gives_way_ = false;
+  warnings_->clear("behind");
+  warnings_->clear("failure");
+  warnings_->clear("script");
   pacer_.restart(scene_.world->time());
   speed_.pause();
   ++version_;
-  follower_.begin(scene_.attached, scene_.world->grasp_reports());
   note_names();
   if (time_changed_) time_changed_(scene_.world->time());
 }

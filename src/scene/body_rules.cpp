@@ -170,4 +170,10 @@ double expected_nodes(const BodySpec& body) {
   return (parts * cells[0] + 1.0) * (parts * cells[1] + 1.0) * (parts * cells[2] + 1.0);
 }
 
+double expected_skin_vertices(const BodySpec& body) {
+  const double parts = body.cloth.upsample;
+  if (body.kind != BodyKind::kCloth || !body.mesh.empty() || body.cloth.upsample == 1) return 0.0;
+  return (parts * body.cells[0] + 1.0) * (parts * body.cells[1] + 1.0);
+}
+
 }  // namespace deformable_sim

@@ -15,4 +15,7 @@ void check_body_keys(const YamlValue& entry, const std::string& path, const Body
 /// Nodes that the keys alone ask for; 0 for meshes.
 double expected_nodes(const BodySpec& body);
 
+/// Vertices of the visual surface that the keys alone ask for; 0 for meshes.
+double expected_skin_vertices(const BodySpec& body);
+
 }  // namespace deformable_sim

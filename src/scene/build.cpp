@@ -235,32 +235,6 @@ bool can_run(const Model& model, const std::string& integrator) {
   return true;
 }
 
-/// Scheme, solver and step, as the scene says or as measurements do.
-void set_solver(const SceneSpec& spec, const Model& model, WorldSettings* settings) {
-  settings->dt = spec.step.dt;
-  settings->integrator = spec.step.integrator;
-  settings->solver = solver_settings(spec);
-  if (spec.step.mode == SolverMode::kManual) return;
-  SolverWish wish{spec.step.error, spec.step.budget, std::nullopt};
-  if (spec.step.dt_given) wish.dt = spec.step.dt;
-  const SolverChoice choice =
-      choose_solver(features_of(spec, model), wish, read_solver_table(solver_table_file()),
-                    [&model](const std::string& integrator) { return can_run(model, integrator); });
-  const SolverConfiguration& chosen = choice.configuration;
-  settings->dt = chosen.dt;
-  settings->parts = choice.parts;
-  settings->chosen = choice.why;
-  if (!choice.measured()) return;
-  settings->integrator = chosen.integrator;
-  settings->chosen = chosen.text() + ": " + choice.why;
-  const bool ropes = std::all_of(spec.bodies.begin(), spec.bodies.end(),
-                                 [](const BodySpec& body) { return body.kind == BodyKind::kRope; });
-  const int ample = settings->solver.newton_iterations;
-  settings->solver = settings_of(chosen, settings->solver, ropes);
-  // As many as stiff ropes may need: the tolerance ends them, of measured ones too.
-  if (ropes) settings->solver.newton_iterations = ample;
-}
-
 /// What a World refuses: at the later of two bodies that cross, else with the file alone.
 [[noreturn]] void refuse_world(const SceneSpec& spec, const Model& model, const InputError& error) {
   const std::string crossing = BodyContacts(&model).find_crossing(model.initial.x);
@@ -274,9 +248,48 @@ void set_solver(const SceneSpec& spec, const Model& model, WorldSettings* settin
 
 }  // namespace
 
+std::vector<GraspRequest> grasps_of(const SceneSpec& spec) {
+  std::vector<GraspRequest> grasps;
+  for (const PlacedGrasp& grasp : all_grasps(spec)) grasps.push_back(grasp.request);
+  return grasps;
+}
+
+SolverChoice choose_for(const SceneSpec& spec, const Model& model, const SceneFeatures& features,
+                        const SolverTable& table) {
+  SolverWish wish{spec.step.error, spec.step.budget, std::nullopt};
+  if (spec.step.dt_given) wish.dt = spec.step.dt;
+  return choose_solver(features, wish, table,
+                       [&model](const std::string& integrator) { return can_run(model, integrator); });
+}
+
+WorldSettings settings_for(const SceneSpec& spec, const SolverChoice* choice) {
+  WorldSettings settings;
+  settings.dt = spec.step.dt;
+  settings.integrator = spec.step.integrator;
+  settings.solver = solver_settings(spec);
+  settings.control = {spec.step.control, spec.step.error, spec.step.budget, spec.step.floor};
+  settings.grasp_max_speed = spec.grasp_max_speed;
+  if (choice == nullptr) return settings;
+  const SolverConfiguration& chosen = choice->configuration;
+  settings.dt = chosen.dt;
+  settings.parts = choice->parts;
+  settings.chosen = choice->why;
+  if (!choice->measured()) return settings;
+  settings.integrator = chosen.integrator;
+  settings.chosen = chosen.text() + ": " + choice->why;
+  const bool ropes = std::all_of(spec.bodies.begin(), spec.bodies.end(),
+                                 [](const BodySpec& body) { return body.kind == BodyKind::kRope; });
+  const int ample = settings.solver.newton_iterations;
+  settings.solver = settings_of(chosen, settings.solver, ropes);
+  // As many as stiff ropes may need: the tolerance ends them, of measured ones too.
+  if (ropes) settings.solver.newton_iterations = ample;
+  return settings;
+}
+
 std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
   auto model = std::make_shared<Model>();
   Parts parts;
+  int skin_vertices = 0;
   for (size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodySpec& from = spec.bodies[b];
     Body body;
@@ -304,6 +317,13 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
                     " in a scene",
                 Code::kOutOfRange);
     }
+    if (body.skin) skin_vertices += body.skin->vertex_count();
+    if (skin_vertices > kMaxSkinVertices) {
+      refuse_at(from.where,
+                "bodies: " + std::to_string(skin_vertices) + " vertices of visual surfaces so far; at most " +
+                    std::to_string(kMaxSkinVertices) + " in a scene",
+                Code::kOutOfRange);
+    }
     model->bodies.push_back(std::move(body));
   }
   gather_nodes(parts, model.get());
@@ -327,18 +347,16 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
 
 std::unique_ptr<World> build_world(const SceneSpec& spec, int threads) {
   std::shared_ptr<const Model> model = build_model(spec);
-  WorldSettings settings;
-  set_solver(spec, *model, &settings);
-  settings.grasp_max_speed = spec.grasp_max_speed;
+  SolverChoice choice;
+  const bool open = spec.step.mode == SolverMode::kAuto;
+  if (open) choice = choose_for(spec, *model, features_of(spec, *model), read_solver_table(solver_table_file()));
+  WorldSettings settings = settings_for(spec, open ? &choice : nullptr);
   settings.threads = threads;
   std::vector<Collider> colliders;
   for (const ColliderSpec& collider : spec.colliders) colliders.push_back(collider.collider);
-  const std::vector<PlacedGrasp> placed = all_grasps(spec);
-  check_grasps(placed, *model);
-  std::vector<GraspRequest> grasps;
-  for (const PlacedGrasp& grasp : placed) grasps.push_back(grasp.request);
+  check_grasps(all_grasps(spec), *model);
   try {
-    return std::make_unique<World>(model, settings, std::move(colliders), std::move(grasps));
+    return std::make_unique<World>(model, settings, std::move(colliders), grasps_of(spec));
   } catch (const InputError& error) {
     refuse_world(spec, *model, error);
   }

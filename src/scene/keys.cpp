@@ -101,11 +101,26 @@ Table<StepSpec> step_table() {
         [](const YamlValue& v, const std::string& path, StepSpec* out) {
           out->mode = read_choice(v, path, {"auto", "manual"}) == "auto" ? SolverMode::kAuto : SolverMode::kManual;
         });
-  t.add({"accuracy", "word or number", "", "engineering", "interactive, engineering, reference, 1e-5 ... 0.1",
-         "With auto: error of the positions over a second (RMS, relative to the body's size): 3, 1 and 0.1 %."},
-        [](const YamlValue& v, const std::string& path, StepSpec* out) { out->error = read_accuracy(v, path); });
+  t.add(
+      {"accuracy", "word or number", "", "engineering", "interactive, engineering, reference, 1e-5 ... 0.1",
+       "With auto, or a control: error of the positions over a second (RMS, relative to the body's size): 3, 1 and 0.1 "
+       "%."},
+      [](const YamlValue& v, const std::string& path, StepSpec* out) { out->error = read_accuracy(v, path); });
   t.number("budget", "s/s", &StepSpec::budget, above(0, 1e6),
-           "With auto: CPU time per simulated time that it may take; beyond, accuracy gives way.");
+           "With auto, or control: budget: CPU time per simulated time that it may take; beyond, accuracy gives way.");
+  t.number("accuracy_floor", "", &StepSpec::floor, between(1e-5, 1),
+           "With control: budget: error of the positions over a second up to which accuracy gives way to the budget.");
+  t.add(
+      {"control", "word", "", "fixed", "fixed, error, budget",
+       "Of the parts that a step of dt is made in. error: as many, up to 64, as hold the accuracy, estimated by making "
+       "every eighth step twice; the same on every run. budget: no more than the budget allows, measured as it runs. "
+       "~status warns of what is not held, and by how much."},
+      [](const YamlValue& v, const std::string& path, StepSpec* out) {
+        const std::string word = read_choice(v, path, {"fixed", "error", "budget"});
+        out->control = word == "error"    ? StepControl::kError
+                       : word == "budget" ? StepControl::kBudget
+                                          : StepControl::kFixed;
+      });
   t.add({"dt", "number", "s", "chosen (auto), 0.01 (manual)", between(1e-6, 0.1).text(),
          "One step of simulated time. auto divides one that is too long."},
         [](const YamlValue& v, const std::string& path, StepSpec* out) {
@@ -336,7 +351,15 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
   t.text("title", &SceneSpec::title, "One line, shown by tools.");
   t.vector("gravity", "[x, y, z]", "m/s^2", &SceneSpec::gravity, between(-1000, 1000), "Acceleration of free fall.");
   t.map("air", &SceneSpec::air, air_table(), "See air.");
-  t.map("step", &SceneSpec::step, step_table(), "See step.");
+  t.add({"step", "map or word", "", "", "auto", "See step. auto: {control: error}."},
+        [](const YamlValue& v, const std::string& path, SceneSpec* out) {
+          if (v.kind == YamlValue::Kind::kScalar) {
+            read_choice(v, path, {"auto"});
+            out->step.control = StepControl::kError;
+          } else {
+            step_table().read(v, path, &out->step);
+          }
+        });
   t.number("grasp_max_speed", "m/s", &SceneSpec::grasp_max_speed, above(0, 100), "For grasps that name no max_speed.");
   t.add({"bodies", "list", "", "", "at least one",
          "Each a map with one key: `- cloth: {...}`, `- rope: {...}` or `- soft: {...}`."},

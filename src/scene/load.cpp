@@ -10,6 +10,7 @@
 #include "build_parts.h"
 #include "deformable_sim/scene/collider_file.h"
 #include "deformable_sim/scene/octomap_file.h"
+#include "deformable_sim/scene/tet_mesh_file.h"
 #include "features.h"
 #include "keys.h"
 
@@ -35,7 +36,7 @@ std::string resolve_mesh(const std::string& mesh, const std::string& scene_file)
 /// Reads the lists of a scene: entries need their neighbours (unique names, bodies that grasps refer to).
 class SceneReader {
  public:
-  explicit SceneReader(std::string scene_file) : scene_file_(std::move(scene_file)) {}
+  SceneReader(std::string scene_file, const AllowedPaths& files) : scene_file_(std::move(scene_file)), files_(files) {}
 
   void read(const YamlValue& root, SceneSpec* scene) {
     const SceneListReaders lists{
@@ -53,7 +54,13 @@ class SceneReader {
     const YamlValue *part = nullptr, *wish = nullptr;  // the first of each
     for (const YamlValue& item : given.items) {
       const bool wishes = item.key == "accuracy" || item.key == "budget";
-      if (item.key == "solver" || item.key == "dt") continue;
+      if (item.key == "solver" || item.key == "dt" || item.key == "control") continue;
+      if (item.key == "accuracy" && step->control != StepControl::kFixed) continue;
+      if (item.key == "budget" && step->control == StepControl::kBudget) continue;
+      if (item.key == "accuracy_floor" && step->control != StepControl::kBudget) {
+        refuse_key(item, "step.accuracy_floor", "belongs to control: budget");
+      }
+      if (item.key == "accuracy_floor") continue;
       const YamlValue*& first = wishes ? wish : part;
       if (first == nullptr) first = &item;
     }
@@ -65,15 +72,15 @@ class SceneReader {
     }
     if (wish != nullptr && step->mode == SolverMode::kManual) {
       refuse_key(*wish, "step." + wish->key,
-                 "belongs to solver: auto; " + std::string(part != nullptr ? "step." + part->key : "manual") +
-                     " rules it out");
+                 "belongs to solver: auto or a control; " +
+                     std::string(part != nullptr ? "step." + part->key : "manual") + " rules it out");
     }
   }
 
   void read_bodies(const YamlValue& list, const std::string& path, SceneSpec* scene) {
     const std::vector<YamlValue>& items = read_list(list, path, "bodies");
     if (items.empty()) refuse(list, path, "must hold at least one body: cloth, rope or soft");
-    double nodes = 0.0;
+    double nodes = 0.0, vertices = 0.0;
     for (size_t k = 0; k < items.size(); ++k) {
       const YamlValue& entry = read_tagged(items[k], indexed(path, k), {"cloth", "rope", "soft"});
       const std::string entry_path = indexed(path, k) + "." + entry.key;
@@ -90,10 +97,30 @@ class SceneReader {
                format_number(nodes) + " nodes so far; at most " + std::to_string(kMaxNodes) + " in a scene",
                Code::kOutOfRange);
       }
-      for (std::string* file : {&body.mesh, &body.visual.mesh}) {
-        if (!file->empty()) *file = resolve_mesh(*file, scene_file_);
+      vertices += expected_skin_vertices(body);
+      if (vertices > kMaxSkinVertices) {
+        refuse(*entry.find("visual"), entry_path + ".visual.upsample",
+               format_number(vertices) + " vertices of visual surfaces so far; at most " +
+                   std::to_string(kMaxSkinVertices) + " in a scene",
+               Code::kOutOfRange);
+      }
+      if (!body.mesh.empty()) body.mesh = file_of(entry, entry_path, "mesh", body.mesh);
+      if (!body.visual.mesh.empty()) {
+        body.visual.mesh = file_of(*entry.find("visual"), entry_path + ".visual", "mesh", body.visual.mesh);
       }
       scene->bodies.push_back(std::move(body));
+    }
+  }
+
+  /// The path to open of the file that `key` of `entry` names.
+  std::string file_of(const YamlValue& entry, const std::string& path, const std::string& key,
+                      const std::string& name) const {
+    try {
+      const std::string file = files_.check(resolve_mesh(name, scene_file_));
+      for (const std::string& part : tet_mesh_parts(file)) files_.check(part);
+      return file;
+    } catch (const InputError& error) {
+      refuse(*entry.find(key), path + "." + key, error.what(), error.code());
     }
   }
 
@@ -203,9 +230,10 @@ class SceneReader {
   }
 
   std::vector<Shape> read_file(const YamlValue& entry, const std::string& path, const PrimitiveText& text) const {
+    const std::string file = file_of(entry, path, "file", text.file);
     try {
-      if (entry.key == "octomap") return {load_octomap(resolve_mesh(text.file, scene_file_))};
-      return load_collider_mesh(resolve_mesh(text.file, scene_file_), Vec3::Constant(text.scale), 0.0, {});
+      if (entry.key == "octomap") return {load_octomap(file)};
+      return load_collider_mesh(file, Vec3::Constant(text.scale), 0.0, {});
     } catch (const InputError& error) {
       refuse(*entry.find("file"), path + ".file", error.what(), error.code());
     }
@@ -335,6 +363,7 @@ class SceneReader {
   }
 
   std::string scene_file_;
+  const AllowedPaths& files_;
   std::map<std::string, std::string> body_names_, collider_names_, grasp_names_;
 };
 
@@ -347,18 +376,19 @@ Pose PoseSpec::pose() const {
   return result;
 }
 
-SceneSpec load_scene_text(const std::string& yaml, const std::string& origin, const std::vector<Override>& overrides) {
+SceneSpec load_scene_text(const std::string& yaml, const std::string& origin, const std::vector<Override>& overrides,
+                          const AllowedPaths& files) {
   YamlValue root = parse_yaml(yaml, origin);
   if (root.kind == YamlValue::Kind::kNull) {
     throw InputError(origin + ":1: the scene is empty; it needs at least `bodies`");
   }
   for (const auto& [path, value] : overrides) override_value(path, value, &root);
   SceneSpec scene;
-  SceneReader(origin).read(root, &scene);
+  SceneReader(origin, files).read(root, &scene);
   return scene;
 }
 
-SceneSpec load_scene_file(const std::string& path, const std::vector<Override>& overrides) {
+SceneSpec load_scene_file(const std::string& path, const std::vector<Override>& overrides, const AllowedPaths& files) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) throw InputError(path + ": is a directory, not a scene file");
   std::ifstream stream(path, std::ios::binary);
@@ -367,7 +397,7 @@ SceneSpec load_scene_file(const std::string& path, const std::vector<Override>& 
   std::string text(kMaxSceneBytes + 1, '\0');
   stream.read(&text[0], static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(stream.gcount()));
-  SceneSpec scene = load_scene_text(text, path, overrides);
+  SceneSpec scene = load_scene_text(text, path, overrides, files);
   scene.file = path;
   return scene;
 }

@@ -5,14 +5,20 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <assimp/IOStream.hpp>
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
 
+#include "collada_screen.h"
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/scene/spec.h"
+#include "face_files.h"
 
 namespace deformable_sim {
 namespace {
@@ -22,6 +28,19 @@ constexpr std::uintmax_t kMaxMeshBytes = 256u << 20;
 /// Collects faces of all parts of a file, welding vertices by position.
 class Welder {
  public:
+  void add_faces(const Faces& faces, const Vec3& scale) {
+    std::vector<int> node_of(faces.points().size(), -1);
+    for (std::array<int, 3> triangle : faces.triangles()) {
+      for (int& corner : triangle) {
+        int& node = node_of[static_cast<size_t>(corner)];
+        const Faces::Point& p = faces.points()[static_cast<size_t>(corner)];
+        if (node < 0) node = node_at({p[0], p[1], p[2]}, scale);
+        corner = node;
+      }
+      triangles_.push_back(triangle);
+    }
+  }
+
   void add_part(const aiMesh& part, const aiMatrix4x4& root_from_part, const Vec3& scale) {
     std::vector<int> node_of(part.mNumVertices, -1);
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
@@ -99,44 +118,59 @@ void check_size(const std::string& path, std::uintmax_t bytes) {
   }
 }
 
-void check_file(const std::string& path) {
+/// A mesh is one file: whatever else it names stays closed.
+class NoFiles : public Assimp::IOSystem {
+ public:
+  bool Exists(const char*) const override { return false; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char*, const char*) override { return nullptr; }
+  void Close(Assimp::IOStream*) override {}
+};
+
+void add_collada(const std::string& bytes, const Vec3& scale, Welder* welder) {
+  screen_collada(bytes);
+  Assimp::Importer importer;
+  importer.SetIOHandler(new NoFiles);  // the importer owns it
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, "dae");
+  if (!scene || !scene->mRootNode) throw InputError(std::string("not a readable mesh: ") + importer.GetErrorString());
+  welder->add_tree(*scene, *scene->mRootNode, aiMatrix4x4(), scale);
+}
+
+std::string read_bytes(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": no such mesh file", Code::kNotFound);
   extension_of(path);
   check_size(path, std::filesystem::file_size(path, error));
-}
-
-TriangleMesh faces_of(const aiScene* scene, const Assimp::Importer& importer, const std::string& path,
-                      const Vec3& scale) {
-  if (!scene || !scene->mRootNode) throw InputError(path + ": not a readable mesh: " + importer.GetErrorString());
-  try {
-    Welder welder;
-    welder.add_tree(*scene, *scene->mRootNode, aiMatrix4x4(), scale);
-    TriangleMesh mesh = welder.mesh();
-    if (mesh.triangles.empty()) throw InputError("has no faces");
-    return mesh;
-  } catch (const InputError& error) {
-    throw InputError(path + ": " + error.what(), error.code());
-  }
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw InputError(path + ": cannot be read", Code::kNotFound);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
 }  // namespace
 
 TriangleMesh load_faces(const std::string& path, const Vec3& scale) {
-  check_file(path);
-  Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  return faces_of(importer.ReadFile(path, aiProcess_Triangulate), importer, path, scale);
+  return faces_from_bytes(read_bytes(path), path, scale);
 }
 
 TriangleMesh faces_from_bytes(const std::string& bytes, const std::string& name, const Vec3& scale) {
   const std::string extension = extension_of(name);
   check_size(name, bytes.size());
-  Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene =
-      importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, extension.c_str() + 1);
-  return faces_of(scene, importer, name, scale);
+  Welder welder;
+  try {
+    if (extension == ".dae") {
+      add_collada(bytes, scale, &welder);
+    } else {
+      const auto read = extension == ".obj" ? read_obj : extension == ".stl" ? read_stl : read_ply;
+      welder.add_faces(read(bytes, name), scale);
+    }
+    TriangleMesh mesh = welder.mesh();
+    if (mesh.triangles.empty()) throw InputError("has no faces");
+    return mesh;
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    throw InputError(what.rfind(name, 0) == 0 ? what : name + ": " + what, error.code());
+  }
 }
 
 TriangleMesh load_mesh(const std::string& path, double scale) {

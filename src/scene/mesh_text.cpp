@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <locale>
+#include <utility>
 
 #include "deformable_sim/core/error.h"
 
@@ -37,8 +39,17 @@ MeshText::MeshText(const std::string& path, char comment) : path_(path), comment
   all << file.rdbuf();
   if (!file) throw InputError(path + ": cannot be read", Code::kNotFound);
   text_ = all.str();
+  check_text();
+}
+
+MeshText::MeshText(const std::string& name, std::string text, int first_line, char comment)
+    : path_(name), text_(std::move(text)), comment_(comment), next_line_(first_line), line_(first_line) {
+  check_text();
+}
+
+void MeshText::check_text() {
   if (text_.find('\0') != std::string::npos) {
-    throw InputError(path + ": is binary; a text (ASCII) file is allowed");
+    throw InputError(path_ + ": is binary; a text (ASCII) file is allowed");
   }
   stream_.imbue(std::locale::classic());
 }
@@ -81,6 +92,12 @@ double MeshText::number(const std::string& what) {
     refuse(what + " must be a finite number, not " + quoted(text));
   }
   return value;
+}
+
+float MeshText::coordinate() {
+  const double value = number("a coordinate");
+  if (std::abs(value) > std::numeric_limits<float>::max()) refuse("a coordinate is too large");
+  return static_cast<float>(value) + 0.0F;  // -0 becomes +0
 }
 
 long MeshText::integer(const std::string& what, long low, long high) {

@@ -11,12 +11,16 @@ class MeshText {
  public:
   /// `comment` starts a comment that lasts to the end of its line; 0 = there are none.
   MeshText(const std::string& path, char comment);
+  /// Of `text`, whose first line is `first_line` of `name`.
+  MeshText(const std::string& name, std::string text, int first_line, char comment);
 
   /// Whether no word is left.
   bool done();
   /// The next word; `what` names it when the file ends before it.
   std::string word(const std::string& what);
   double number(const std::string& what);
+  /// Finite in single precision too.
+  float coordinate();
   long integer(const std::string& what, long low, long high);
   /// Leaves out what remains of the line of the last word.
   void skip_line();
@@ -29,6 +33,7 @@ class MeshText {
   [[noreturn]] void refuse_at(int line, const std::string& what) const;
 
  private:
+  void check_text();
   void skip_blank();
 
   std::string path_, text_;

@@ -3,10 +3,18 @@
 #include "deformable_sim/scene/material_library.h"
 
 namespace deformable_sim {
+namespace {
+
+/// Read once: a scene may name a material for each of many thousand bodies.
+const MaterialLibrary& shipped_materials() {
+  static const MaterialLibrary kLibrary = load_material_library(default_material_dir());
+  return kLibrary;
+}
+
+}  // namespace
 
 void start_from_fabric(const std::string& name, ClothMaterialSpec* out) {
-  const MaterialLibrary library = load_material_library(default_material_dir());
-  const FabricData& fabric = library.fabric(name);
+  const FabricData& fabric = shipped_materials().fabric(name);
   out->name = name;
   out->areal_density = fabric.areal_density;
   if (fabric.thickness) out->thickness = *fabric.thickness;
@@ -18,8 +26,7 @@ void start_from_fabric(const std::string& name, ClothMaterialSpec* out) {
 }
 
 void start_from_rope(const std::string& name, RopeMaterialSpec* out) {
-  const MaterialLibrary library = load_material_library(default_material_dir());
-  const RopeData& rope = library.rope(name);
+  const RopeData& rope = shipped_materials().rope(name);
   out->name = name;
   out->linear_density = rope.linear_density;
   out->diameter = rope.diameter;
@@ -30,8 +37,7 @@ void start_from_rope(const std::string& name, RopeMaterialSpec* out) {
 }
 
 void start_from_solid(const std::string& name, SoftMaterialSpec* out) {
-  const MaterialLibrary library = load_material_library(default_material_dir());
-  const SolidData& solid = library.solid(name);
+  const SolidData& solid = shipped_materials().solid(name);
   out->name = name;
   out->youngs_modulus = solid.youngs_modulus;
   out->poissons_ratio = solid.poissons_ratio;

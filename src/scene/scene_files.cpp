@@ -36,11 +36,12 @@ std::vector<std::string> scene_names(const std::string& scene_dir) {
   return names;
 }
 
-std::string find_scene(const std::string& name_or_file, const std::string& scene_dir) {
+std::string find_scene(const std::string& name_or_file, const std::string& scene_dir, const AllowedPaths& files) {
   std::error_code error;
   const fs::path given(name_or_file);
   const bool bare = name_or_file.find('/') == std::string::npos && !given.has_extension();
-  const fs::path path = bare ? fs::path(scene_dir) / (name_or_file + ".yaml") : given;
+  fs::path path = bare ? fs::path(scene_dir) / (name_or_file + ".yaml") : given;
+  if (!name_or_file.empty()) path = files.check(path.string());
   if (!name_or_file.empty() && fs::exists(path, error) && !fs::is_directory(path, error)) return path.string();
   const std::vector<std::string> names = scene_names(scene_dir);
   throw InputError("no scene '" + name_or_file + "'" + (bare ? " in " + scene_dir : "") + "; there is " +

@@ -10,6 +10,11 @@ std::string said_of(const ScriptEvent& event, const std::string& what) {
   return place + ": " + event.path + ": at " + format_number(event.time) + " s: " + what;
 }
 
+void Script::go_on_after(std::size_t events) {
+  if (events > events_.size()) throw InputError("saved state: of a script with more events");
+  next_ = events;
+}
+
 Reply play(Script* script, World* world) {
   Reply all;
   while (const ScriptEvent* event = script->take(world->time())) {

@@ -9,13 +9,14 @@ namespace deformable_sim {
 namespace {
 
 constexpr size_t kNeighbours = 3;
-constexpr double kSame = 0.02;   // distance at which a scene is the measured one
-constexpr double kFar = 3.0;     // octaves more than the nearest: too far to have a say
-constexpr double kOther = 4.0;   // octaves that contact counts, or a strain limit, where only one of two has it
-constexpr double kTie = 1.2;     // costs that differ less are the same: no measurement is better
-constexpr double kUnlike = 1.5;  // that errors of similar scenes are taken for
-constexpr double kKnown = 0.3;   // of the weights: scenes that know a configuration must have so much
-constexpr double kRound = 1e-6;  // of a step
+constexpr double kSame = 0.02;    // distance at which a scene is the measured one
+constexpr double kFar = 3.0;      // octaves more than the nearest: too far to have a say
+constexpr double kOther = 4.0;    // octaves that contact counts, or a strain limit, where only one of two has it
+constexpr double kStrange = 6.0;  // octaves to the nearest: what is expected there is a guess, and said to be one
+constexpr double kTie = 1.2;      // costs that differ less are the same: no measurement is better
+constexpr double kUnlike = 1.5;   // that errors of similar scenes are taken for
+constexpr double kKnown = 0.3;    // of the weights: scenes that know a configuration must have so much
+constexpr double kRound = 1e-6;   // of a step
 
 struct Neighbour {
   const SolverTable::Scene* scene;
@@ -124,6 +125,10 @@ const Expected& best(const std::vector<Expected>& all, const SolverWish& wish, s
   return *std::min_element(all.begin(), all.end(), cheaper);
 }
 
+bool is_guess(const std::vector<Neighbour>& near) {
+  return near.front().distance > kStrange;
+}
+
 std::string reason(const std::vector<Neighbour>& near, const SceneFeatures& scene, const SolverWish& wish,
                    const Expected& expected, const std::string& remark) {
   std::string text = "asked for an error of " + percent(wish.error) + ": about " + percent(expected.error) + " at " +
@@ -137,6 +142,7 @@ std::string reason(const std::vector<Neighbour>& near, const SceneFeatures& scen
     text += scene.contact ? "; none like it was measured in contact" : "; those were measured in contact";
   }
   if (scene.strain_limits != near.front().scene->features.strain_limits) text += "; strain limits are unlike theirs";
+  if (is_guess(near)) text += "; unlike anything measured in nodes or stiffness: a guess";
   return text;
 }
 
@@ -199,6 +205,7 @@ SolverChoice choose_solver(const SceneFeatures& scene, const SolverWish& wish, c
   choice.parts = chosen.parts;
   choice.error = chosen.error;
   choice.cpu = chosen.cpu;
+  choice.guessed = is_guess(near);
   choice.why = reason(near, scene, wish, chosen, remark);
   return choice;
 }

@@ -27,6 +27,9 @@ std::string extension_of(const std::string& path) {
 class TetCollector {
  public:
   void add_node(const MeshText& text, long tag, const Vec3& at) {
+    if (nodes_.size() >= static_cast<size_t>(kMaxNodes)) {
+      text.refuse("more than " + std::to_string(kMaxNodes) + " nodes");
+    }
     if (!index_of_.emplace(tag, static_cast<int>(nodes_.size())).second) {
       text.refuse("node " + std::to_string(tag) + " is given twice");
     }
@@ -42,6 +45,9 @@ class TetCollector {
       node = found->second;
     }
     tet.line = text->line();
+    if (tets_.size() >= static_cast<size_t>(kMaxTets)) {
+      text->refuse("more than " + std::to_string(kMaxTets) + " tetrahedra");
+    }
     tets_.push_back(tet);
   }
 
@@ -227,8 +233,8 @@ TetMesh load_medit(const std::string& path, double scale) {
 }
 
 TetMesh load_tetgen(const std::string& path, double scale) {
-  const std::filesystem::path stem = std::filesystem::path(path).replace_extension();
-  MeshText nodes(stem.string() + ".node", '#'), elements(stem.string() + ".ele", '#');
+  const std::vector<std::string> parts = tet_mesh_parts(path);
+  MeshText nodes(parts[0], '#'), elements(parts[1], '#');
   TetCollector out;
   const long node_count = nodes.integer("the number of nodes", 1, kMaxNodes);
   if (nodes.integer("the dimension", 2, 3) != 3) nodes.refuse("a volume needs 3 dimensions");
@@ -257,6 +263,13 @@ TetMesh load_tetgen(const std::string& path, double scale) {
 bool is_tet_mesh_file(const std::string& path) {
   const std::string extension = extension_of(path);
   return extension == ".msh" || extension == ".mesh" || extension == ".node" || extension == ".ele";
+}
+
+std::vector<std::string> tet_mesh_parts(const std::string& path) {
+  const std::string extension = extension_of(path);
+  if (extension != ".node" && extension != ".ele") return {path};
+  const std::string stem = std::filesystem::path(path).replace_extension().string();
+  return {stem + ".node", stem + ".ele"};
 }
 
 TetMesh load_tet_mesh(const std::string& path, double scale) {

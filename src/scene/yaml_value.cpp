@@ -11,6 +11,8 @@
 namespace deformable_sim {
 namespace {
 
+constexpr int kMaxOpenBrackets = 1000;
+
 int line_of(const YAML::Mark& mark) {
   return mark.line + 1;
 }
@@ -185,6 +187,20 @@ class TreeBuilder : public YAML::EventHandler {
   YamlValue root_;
 };
 
+/// The parser keeps a mark for each open bracket before it tells of the first: a text of nothing else would take a
+/// hundred times its size. Brackets within quotes and comments count too, of which no scene has so many unbalanced.
+void check_brackets(const std::string& text, const std::string& origin) {
+  int open = 0, line = 1;
+  for (const char c : text) {
+    line += c == '\n';
+    open += c == '[' || c == '{';
+    open -= c == ']' || c == '}';
+    if (open > kMaxOpenBrackets) {
+      throw error_of(place(origin, line) + ": nested deeper than " + std::to_string(kMaxYamlDepth) + " levels");
+    }
+  }
+}
+
 /// One step of an override path: a key, or a list index when `key` is empty.
 struct PathStep {
   std::string key;
@@ -262,6 +278,7 @@ YamlValue parse_yaml(const std::string& text, const std::string& origin) {
   if (text.size() > kMaxSceneBytes) {
     throw error_of(origin + ": larger than " + std::to_string(kMaxSceneBytes >> 20) + " MiB");
   }
+  check_brackets(text, origin);
   TreeBuilder tree(origin);
   try {
     std::istringstream stream(text);

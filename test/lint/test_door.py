@@ -44,7 +44,7 @@ class Door(unittest.TestCase):
             rows = [line.split() for line in stream if line.strip() and not line.startswith('#')]
         for row in rows:
             self.assertEqual(len(row), 3, row)
-            self.assertIn(row[0], ('build', 'demo', 'test', 'bench', 'study', 'peers'))
+            self.assertIn(row[0], ('build', 'demo', 'test', 'bench', 'fuzz', 'study', 'peers'))
             self.assertNotIn(row[1], seen)
             seen.add(row[1])
 

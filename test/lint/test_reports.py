@@ -161,5 +161,59 @@ class WorkPrecision(unittest.TestCase):
         self.assertEqual(said.split(), ['work_precision', '--list'])
 
 
+def cell(**changes):
+    row = {'slice': 'stiffness', 'body': 'rope', 'way': 'scheme', 'integrator': 'rk4', 'linear_solver': '', 'step_s': '0.01',
+           'stiffness_Pa': '100', 'damping_s': '0', 'mass_ratio': '1', 'aspect': '1', 'class': 'right', 'error': '0.001', 'says': '0',
+           'limit_s': '0.2', 'note': ''}
+    return dict(row, **changes)
+
+
+AUTO = {'way': 'auto', 'integrator': '', 'limit_s': 'inf'}
+MAP = [cell(), cell(step_s='1', **{'class': 'diverged'}), cell(way='world', step_s='1', **{'class': 'wrong'}),
+       cell(**AUTO), cell(step_s='1', says='1', **dict(AUTO, **{'class': 'wrong'})),
+       cell(body='sheet', step_s='1', **dict(AUTO, **{'class': 'wrong'}))]
+LIMITS = [{'body': 'rope', 'integrator': 'explicit_euler', 'damping_ratio': '0', 'theory_s': '0', 'fastest_motion_s': '0', 'measured_s': '0'},
+          {'body': 'rope', 'integrator': 'explicit_euler', 'damping_ratio': '1', 'theory_s': '0.2', 'fastest_motion_s': '0.1',
+           'measured_s': '0.201'}]
+
+
+class Stability(unittest.TestCase):
+    def setUp(self):
+        self.report = load('scripts/stability_report')
+
+    def test_counts_the_classes_of_each_panel_and_what_is_off_in_silence(self):
+        counts = self.report.counts(MAP)
+        self.assertEqual([(who, where, silent) for who, _, where, _, silent in counts],
+                         [('rk4', 'rope, stiffness', 1), ('world, rk4', 'rope, stiffness', 1),
+                          ('world, `solver: auto`', 'rope, stiffness', 0), ('world, `solver: auto`', 'sheet, stiffness', 1)])
+        self.assertEqual(counts[0][3]['right'], 1)
+        self.assertEqual(counts[0][3]['diverged'], 1)
+
+    def test_the_tables_give_measured_over_theory_and_say_where_there_is_no_stable_step(self):
+        self.assertIn('| rope, `explicit_euler` | none | 1.0050 |', self.report.markdown(MAP, LIMITS))
+        self.assertNotIn('theoretical', self.report.markdown(MAP, []))
+
+    def test_cells_meet_half_way_between_steps_in_the_logarithm(self):
+        for found, expected in zip(self.report.edges([1e-2, 1e-1, 1.0]), [-2.5, -1.5, -0.5, 0.5]):
+            self.assertAlmostEqual(found, expected)
+
+    def test_puts_slices_of_worlds_alone_behind_those_of_schemes(self):
+        lines = self.report.layout(MAP)
+        self.assertEqual([what for _, what, _ in lines], ['scheme alone', 'as users get it'])
+        self.assertEqual([title for title, _, _ in lines[0][2]], ['rk4', 'solver: auto'])
+        self.assertEqual([title for title, _, _ in lines[1][2]], ['rk4', 'auto: sheet, stiffness'])
+
+    def test_the_page_needs_no_matplotlib(self):
+        page = self.report.page(MAP, LIMITS, None)
+        for text in ('6 cells', 'python3-matplotlib', 'world, `solver: auto`', '0.201'):
+            self.assertIn(text, page)
+
+    def test_passes_the_exit_status_on_and_names_the_folder(self):
+        script = [sys.executable, os.path.join(ROOT, 'scripts/stability_report'), '--out', 'somewhere']
+        self.assertEqual(subprocess.call(script + ['--program', '/bin/false', '--', '--quick']), 1)
+        said = subprocess.check_output(script + ['--program', '/bin/echo', '--', '--help'], universal_newlines=True)
+        self.assertEqual(said.split(), ['stability', '--help'])
+
+
 if __name__ == '__main__':
     unittest.main()

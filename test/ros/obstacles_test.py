@@ -167,7 +167,10 @@ class Obstacles(Refusals, unittest.TestCase):
                 (Status.INVALID_ARGUMENT, '1 bytes follow', octomap('bad', **{**good, 'data': good['data'] + [0]})),
                 (Status.INVALID_ARGUMENT, 'deeper than 16', octomap('bad', **{**good, 'data': [-1] * 1000})),
                 (Status.INVALID_ARGUMENT, 'no occupied space', octomap('bad', **{**good, 'data': []})),
-                (Status.NOT_FOUND, 'no such file', octomap('bad', file='/no/such/map.bt')),
+                (Status.INVALID_ARGUMENT, 'outside of the folders', octomap('bad', file='/no/such/map.bt')),
+                (Status.INVALID_ARGUMENT, 'outside of the folders', octomap('bad', file='package://deformable_sim/../../map.bt')),
+                (Status.INVALID_ARGUMENT, 'outside of the folders', octomap('bad', file='file:///etc/passwd')),
+                (Status.INVALID_ARGUMENT, 'file:// or package://', octomap('bad', file='http://127.0.0.1:1/map.bt')),
                 (Status.NOT_FOUND, 'octomaps[0]', octomap('bad', file='package://no_such_package/map.bt')),
                 (Status.INVALID_ARGUMENT, 'not an OctoMap file', octomap('bad', file=os.path.join(DATA, 'quad.obj')))):
             with self.subTest(word=word):

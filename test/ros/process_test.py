@@ -162,7 +162,8 @@ class Processes(unittest.TestCase):
     def test_a_scene_that_diverges_stops_on_its_last_good_state(self):
         with tempfile.NamedTemporaryFile('w', suffix='.yaml') as wild:
             wild.write('step: {dt: 0.1, integrator: explicit_euler}\n'
-                       'bodies:\n  - cloth: {name: sheet, pins: [corner_0], material: {youngs_modulus: 1.0e+10}}\n')
+                       'bodies:\n  - cloth: {name: sheet, pins: [corner_0], material: {youngs_modulus: 1.0e+12, '
+                       'thickness: 0.01, areal_density: 0.001}}\n')
             wild.flush()
             self.start('_scene:=' + wild.name, '__name:=wild')
             sim = Simulation('wild')

@@ -3,6 +3,8 @@
 
 import math
 import os
+import shutil
+import tempfile
 import unittest
 
 import rospy
@@ -259,6 +261,21 @@ class Services(Refusals, unittest.TestCase):
                 self.assertNotIn(answer.status.code, (Status.OK, Status.INTERNAL), answer.status.message)
                 self.assertIn(name, answer.status.message)
                 self.assertEqual(self.sim.everything(), before)
+
+    def test_scenes_and_meshes_of_requests_lie_in_allowed_folders(self):
+        with tempfile.TemporaryDirectory(dir='/tmp') as folder:
+            allowed = os.path.join(folder, 'copy.yaml')
+            shutil.copy(self.scene, allowed)
+            link = os.path.join(folder, 'link.yaml')
+            os.symlink('/etc/passwd', link)
+            mesh = 'bodies:\n  - cloth: {name: a, mesh: %s}\n'
+            for arguments in (dict(file='/etc/passwd'), dict(file='../../../../../../../../etc/passwd'), dict(file=link),
+                              dict(file='/dev/zero'), dict(file='/no/such/file.yaml'), dict(yaml=mesh % '/etc/mesh.obj'),
+                              dict(yaml=mesh % '../../../../../../etc/mesh.obj'),
+                              dict(yaml=mesh % 'package://deformable_sim/../../mesh.obj')):
+                with self.subTest(**arguments):
+                    self.refuse(Status.INVALID_ARGUMENT, 'outside of the folders', lambda a=arguments: self.sim.load_scene(**a))
+            self.assertEqual(self.sim.load_scene(file=allowed).status.code, Status.OK)
 
     def test_a_loaded_scene_brings_its_topics_and_takes_the_old_ones(self):
         self.assertEqual(self.sim.load_scene(file=self.scene.replace('hanging', 'small')).status.code, Status.OK)

@@ -10,7 +10,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from deformable_sim.msg import GraspSelection, GraspStateArray, Obstacle, SimStatus, Status
 from deformable_sim.srv import (AddObstacle, GetDistance, GetState, Grasp, LetThrough, LoadScene, MoveGrasp, Release,
-                                RemoveObstacle, SetState, Step)
+                                RemoveObstacle, RestoreState, SaveState, SetState, Step)
 
 DEADLINE = 20.0  # s, wall: only ever reached by a failure
 
@@ -69,6 +69,8 @@ class Simulation:
         self.get_distance = self._service('get_distance', GetDistance)
         self.get_state = self._service('get_state', GetState)
         self.set_state = self._service('set_state', SetState)
+        self.save_state = self._service('save_state', SaveState)
+        self.restore_state = self._service('restore_state', RestoreState)
 
     def _service(self, name, kind):
         full = '/%s/%s' % (self.node, name)

@@ -12,6 +12,7 @@
 #include "deformable_sim/scene/build.h"
 #include "deformable_sim/scene/load.h"
 #include "deformable_sim/scene/mesh_file.h"
+#include "deformable_sim/scene/state_file.h"
 
 namespace deformable_sim {
 namespace {
@@ -171,6 +172,30 @@ TEST(Simulate, StopsOnAnInterruptWithItsSummary) {
           "/cloth_000000.csv ] && kill -0 $PID; do :; done; kill -INT $PID; wait $PID");
   EXPECT_EQ(outcome.code, 130);
   EXPECT_NE(outcome.out.find("\"time\": "), std::string::npos);
+}
+
+TEST(Simulate, GoesOnFromASavedStateToTheSameBitsInAnotherProcess) {
+  std::string name = (std::filesystem::temp_directory_path() / "simulate_saved_XXXXXX").string();
+  const std::filesystem::path folder = mkdtemp(name.data());
+  const std::string first = (folder / "first").string(), end = (folder / "end").string();
+  const std::string scene = "towel_on_table --quiet --set bodies[0].cloth.cells=[20,16] --seconds ";
+  ASSERT_EQ(run(scene + "0.4 --save " + first).code, 0);
+  ASSERT_EQ(run(scene + "0.3 --threads 2 --restore " + first + " --save " + end).code, 0);
+  const std::unique_ptr<World> world = build_world(
+      load_scene_file(find_scene("towel_on_table", default_scene_dir()), {{"bodies[0].cloth.cells", "[20,16]"}}));
+  while (world->time() < 0.4 - 1e-9) ASSERT_TRUE(world->step().ok);
+  EXPECT_TRUE(world->save() == read_state_file(first).world);
+  while (world->time() < 0.7 - 1e-9) ASSERT_TRUE(world->step().ok);
+  EXPECT_TRUE(world->save() == read_state_file(end).world);
+
+  Outcome refused = run("minimal --seconds 0.1 --restore " + first + " 2>&1");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.out.find("of another scene"), std::string::npos) << refused.out;
+  refused = run(scene + "0.1 --restore " + (folder / "none").string() + " 2>&1");
+  EXPECT_EQ(refused.code, 2);
+  refused = run(scene + "0.1 --save /proc/nowhere 2>&1");
+  EXPECT_EQ(refused.code, 2);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

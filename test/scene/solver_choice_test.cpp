@@ -68,6 +68,17 @@ TEST(SolverChoice, IsTheCheapestThatIsAccurateEnough) {
   EXPECT_EQ(at(0.003), 2u);
 }
 
+TEST(SolverChoice, SaysThatItGuessesFarFromAllThatWasMeasured) {
+  // Six octaves in nodes, explicit steps or both: 100 nodes at 10 steps is the nearest.
+  const SolverTable table = two_sheets();
+  const SolverChoice near = choose_solver(sheet(100, 10.0 / 63.0), {0.02, kNoBudget, {}}, table);
+  EXPECT_FALSE(near.guessed);
+  EXPECT_EQ(near.why.find("a guess"), std::string::npos) << near.why;
+  const SolverChoice far = choose_solver(sheet(100, 10.0 / 65.0), {0.02, kNoBudget, {}}, table);
+  EXPECT_TRUE(far.guessed);
+  EXPECT_NE(far.why.find("unlike anything measured in nodes or stiffness: a guess"), std::string::npos) << far.why;
+}
+
 TEST(SolverChoice, InterpolatesCostPerNodeAndPerExplicitStep) {
   // Both sheets cost 1e-3 a node with implicit steps of 1/60 s and 1e-3 a node and explicit step: so does one between.
   const SolverTable table = two_sheets();
@@ -265,9 +276,9 @@ TEST(SolverAuto, RefusesToMixWithAPartOfASolverNamingTheLine) {
   EXPECT_EQ(refusal("  solver: auto\n  integrator: bdf2\n"),
             "scene:5: step.integrator: solver: auto chooses it; leave out one of the two");
   EXPECT_EQ(refusal("  accuracy: reference\n  integrator: bdf2\n"),
-            "scene:4: step.accuracy: belongs to solver: auto; step.integrator rules it out");
+            "scene:4: step.accuracy: belongs to solver: auto or a control; step.integrator rules it out");
   EXPECT_EQ(refusal("  solver: manual\n  budget: 1\n"),
-            "scene:5: step.budget: belongs to solver: auto; manual rules it out");
+            "scene:5: step.budget: belongs to solver: auto or a control; manual rules it out");
   EXPECT_EQ(refusal("  accuracy: good\n"),
             "scene:4: step.accuracy: must be interactive, engineering, reference or a number, 1e-05 ... 0.1");
   EXPECT_EQ(refusal("  accuracy: 0.5\n"), "scene:4: step.accuracy: 0.5 is out of range; allowed: 1e-05 ... 0.1");

@@ -191,6 +191,26 @@ TEST(StrainProjection, PressesNothingIntoAPlane) {
   EXPECT_GT(*std::max_element(contact_impulse.begin(), contact_impulse.end()), 0.0);
 }
 
+TEST(StrainProjection, LeavesContactsBetweenNodesThatNoThreadJoinsToOthers) {
+  // A node over a face far away on the same sheet, pressed on it: the matrix has no blocks for them. The limits are met
+  // as without the contact.
+  auto model = limited_sheet(6, 0.01);
+  Nodes x = 1.05 * model->initial.x, alone = x;
+  ContactConstraint c;
+  c.node = {48, 0, 1, 7};
+  c.weight = {1.0, -0.3, -0.3, -0.4};
+  c.count = 4;
+  c.offset = 1.0;
+  c.normal = Vec3::UnitX();
+  StrainProjection projection(*model);
+  std::vector<double> impulse(model->strain_limits.size()), contact_impulse;
+  const Eigen::VectorXd inverse_mass = model->mass.cwiseInverse();
+  EXPECT_TRUE(projection.solve(inverse_mass, {c}, &x, &impulse, &contact_impulse).converged);
+  EXPECT_EQ(contact_impulse, std::vector<double>{0.0});
+  EXPECT_TRUE(projection.solve(inverse_mass, {}, &alone, &impulse, &contact_impulse).converged);
+  EXPECT_EQ(x, alone);
+}
+
 TEST(StrainProjection, SpreadsWhatHeldNodesMakeImpossible) {
   // Two held corners twice as far apart as the threads between them allow: finite, and said.
   auto model = limited_sheet(4, 0.01);

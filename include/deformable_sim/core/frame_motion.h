@@ -1,6 +1,7 @@
 // A frame on its way to a target: straight and slerped, in a given time, never faster than a limit.
 #pragma once
 
+#include "deformable_sim/core/archive.h"
 #include "deformable_sim/core/types.h"
 
 namespace deformable_sim {
@@ -18,6 +19,9 @@ class FrameMotion {
   /// Moves on by dt (s). No point within `lever` (m) of the frame's origin travels further than max_speed * dt.
   /// Returns false when that limit held the frame back.
   bool advance(double dt, double max_speed, double lever);
+
+  /// Saved states.
+  void pass(Archive* archive);
 
   const Pose& pose() const { return pose_; }
   const Pose& target() const { return target_; }

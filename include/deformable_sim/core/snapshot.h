@@ -47,8 +47,10 @@ struct Snapshot {
   std::vector<ContactReport> contacts;  // only where World::contact_reports() was asked for them
   StepReport report;
   std::string integrator;
-  double dt = 0.0;   // s
-  int substeps = 1;  // of the last step
+  double dt = 0.0;              // s
+  int substeps = 1;             // of the last step
+  std::uint64_t repeated = 0;   // steps that were begun anew in shorter parts, since the start
+  double energy_created = 0.0;  // J since the start that no work explains
   double max_penetration =
       0.0;  // m, deepest contact point now inside a collider's surface (contact radius not counted)
   std::vector<PartCost> cost;

@@ -19,8 +19,8 @@ struct StrainLimitReport {
 /// Minimises sum m |x - y|^2 / 2 over the positions x with c(x) <= 0,
 ///
 ///   c = |x_b - x_a| - l           every limit
-///   c = offset - n.p(x) + g       every contact plane, g the smaller of 0 and its gap at y: nothing is pressed further
-///   in
+///   c = offset - n.p(x) + g       every plane of a collider, g the smaller of 0 and its gap at y: nothing is pressed
+///   further in
 ///
 /// from the positions y that a step has led to; held nodes stay. The problem is convex, so there is one solution, and
 /// it moves nodes by equal and opposite impulses t >= 0 along the limits: momentum is kept, nothing is pushed apart.

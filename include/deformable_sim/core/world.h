@@ -10,12 +10,14 @@
 #include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/core/model.h"
 #include "deformable_sim/core/snapshot.h"
+#include "deformable_sim/core/step_control.h"
 
 namespace deformable_sim {
 
 struct WorldSettings {
   double dt = 0.01;  // s, one step
-  int parts = 1;     // that a step is taken in, at least
+  int parts = 1;     // that a step is taken in, at least; with a control other than kFixed it decides
+  StepControlSettings control;
   std::string integrator = "implicit_euler";
   SolverSettings solver;
   std::string chosen;               // why these, where the scene left it open; shown to people
@@ -53,6 +55,16 @@ class World {
   StepOutcome step();
   /// Applies one command between steps. A refusal changes nothing.
   Reply apply(const Command& command);
+
+  /// From now on, until the world is reset. Throws InputError.
+  void set_control(const StepControlSettings& control);
+  /// Everything that changes, as bytes: time, motion, grasps, colliders, and what friction, contact and the scheme
+  /// remember. A world of the same scene that restores them goes on to the same bits as this one, in this process or
+  /// another on the same kind of processor, with any number of threads. What is kept only to be quicker (factors, which
+  /// pieces are near) is made anew by both: a world that was never saved goes on alike within its solver's tolerance.
+  std::string save();
+  /// Throws InputError and changes nothing: bytes that save() did not write, or a world of another scene or solver.
+  void restore(const std::string& bytes);
 
   double time() const;
   std::uint64_t step_count() const;

@@ -11,6 +11,7 @@
 
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/messages.h"
+#include "deformable_sim/ros/saved_states.h"
 #include "deformable_sim/ros/scene_loader.h"
 #include "deformable_sim/ros/simulation.h"
 #include "deformable_sim/ros/warnings.h"
@@ -21,7 +22,8 @@ namespace deformable_sim {
 /// second, and listed in ~status.
 class CommandTopics {
  public:
-  CommandTopics(const ros::NodeHandle& private_nh, Simulation* simulation, Frames* frames, Warnings* warnings);
+  CommandTopics(const ros::NodeHandle& private_nh, Simulation* simulation, Frames* frames, Warnings* warnings,
+                const AllowedPaths* files);
 
   void start();
   /// Topics of targets follow the grasps there are. Network: not on the simulation thread.
@@ -38,6 +40,7 @@ class CommandTopics {
   Simulation* simulation_;
   Frames* frames_;
   Warnings* warnings_;
+  const AllowedPaths* files_;
   std::vector<ros::Subscriber> fixed_;
   std::map<std::string, ros::Subscriber> targets_;
 };
@@ -45,8 +48,8 @@ class CommandTopics {
 /// All services of the node.
 class Services {
  public:
-  Services(const ros::NodeHandle& private_nh, const std::string& frame_id, Simulation* simulation, Frames* frames,
-           const SceneLoader* loader);
+  Services(const ros::NodeHandle& private_nh, const Parameters& parameters, Simulation* simulation, Frames* frames,
+           const SceneLoader* loader, const AllowedPaths* files);
 
   void start();
   /// Full names.
@@ -68,6 +71,8 @@ class Services {
   Simulation* simulation_;
   Frames* frames_;
   const SceneLoader* loader_;
+  const AllowedPaths* files_;
+  SavedStates saved_states_;
   std::mutex loading_;
   std::vector<ros::ServiceServer> servers_;
 };

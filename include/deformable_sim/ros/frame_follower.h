@@ -8,6 +8,7 @@
 
 #include <ros/time.h>
 
+#include "deformable_sim/core/archive.h"
 #include "deformable_sim/core/world.h"
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/warnings.h"
@@ -18,6 +19,9 @@ namespace deformable_sim {
 /// as long as transforms are apart, so that a 50 Hz tf drives a 200 Hz simulation smoothly, at the price of lagging one
 /// period. A frame that stops arriving leaves its grasps and colliders standing still; grasps report so.
 class FrameFollower {
+  using Clock = std::chrono::steady_clock;
+  struct Follower;
+
  public:
   FrameFollower(const Frames& frames, Warnings* warnings);
 
@@ -34,8 +38,13 @@ class FrameFollower {
   std::vector<std::string> colliders() const;
   void update(World* world);
 
+  /// What is followed, for saved states; transforms come anew from tf.
+  std::string save() const;
+  /// What save() has written, empty: nothing; `attached` as in begin(). Throws InputError.
+  std::vector<Follower> read(const std::string& bytes, const std::vector<Collider>& attached) const;
+  void go_on_with(std::vector<Follower> followers);
+
  private:
-  using Clock = std::chrono::steady_clock;
   enum class Kind { kGrasp, kCollider };
 
   struct Follower {
@@ -53,6 +62,7 @@ class FrameFollower {
     double period = 0.0;  // s between transforms, simulated
   };
 
+  void pass(Archive* archive, const std::vector<Collider>& attached, std::vector<Follower>* followers) const;
   void take(const FramePose& pose, World* world, Follower* follower);
   void check_age(World* world, Follower* follower);
   void set_waiting(World* world, Follower* follower, bool waiting);

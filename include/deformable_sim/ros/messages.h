@@ -18,6 +18,8 @@
 #include <deformable_sim/MoveGrasp.h>
 #include <deformable_sim/Release.h>
 #include <deformable_sim/RemoveObstacle.h>
+#include <deformable_sim/RestoreState.h>
+#include <deformable_sim/SaveState.h>
 #include <deformable_sim/SetState.h>
 #include <deformable_sim/SimStatus.h>
 #include <deformable_sim/Step.h>

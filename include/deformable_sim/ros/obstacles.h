@@ -6,6 +6,7 @@
 #include "deformable_sim/core/command.h"
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/messages.h"
+#include "deformable_sim/scene/allowed_paths.h"
 
 namespace deformable_sim {
 
@@ -14,9 +15,9 @@ struct ObstacleRequest {
   std::optional<Pose> frame_from_collider;  // set: it moves with collider.frame
 };
 
-/// Of an ADD. Throws InputError: name, no shape, wrong dimensions, more than 1000 shapes, meshes (kUnavailable),
-/// frames.
-ObstacleRequest to_obstacle(const msg::Obstacle& message, Frames* frames);
+/// Of an ADD; `files` are those it may name. Throws InputError: name, no shape, wrong dimensions, more than 1000
+/// shapes, meshes (kUnavailable), files, frames.
+ObstacleRequest to_obstacle(const msg::Obstacle& message, const AllowedPaths& files, Frames* frames);
 
 /// Of a MOVE. Throws InputError.
 command::MoveCollider to_obstacle_move(const msg::Obstacle& message, Frames* frames);

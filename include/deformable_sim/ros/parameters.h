@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace ros {
 class NodeHandle;
@@ -11,22 +12,29 @@ class NodeHandle;
 namespace deformable_sim {
 
 enum class ClockMode { kRealTime, kAsFastAsPossible, kOnDemand };
+/// What gives way when real time cannot be held.
+enum class LatePolicy { kSlowDown, kLessAccurate, kStop };
 
 struct Parameters {
-  std::string scene;               // file, or bare name of a scene in scene_dir; required
-  std::string scene_dir;           // where bare names are looked up
-  std::string frame_id = "world";  // tf frame of the simulation
+  std::string scene;                      // file, or bare name of a scene in scene_dir; required
+  std::string scene_dir;                  // where bare names are looked up; absolute
+  std::vector<std::string> allowed_dirs;  // further folders whose files requests may name
+  std::string state_dir;                  // where saved states are written and read
+  std::string frame_id = "world";         // tf frame of the simulation
   ClockMode clock = ClockMode::kRealTime;
   bool publish_clock = false;          // publish /clock, simulated time from 0
   std::optional<double> rate_markers;  // Hz, 0 ... 1000, 0 = never; unset = the scene's
   std::optional<double> rate_points;   // Hz
   std::optional<double> rate_state;    // Hz
   int threads = 1;                     // for the physics, 1 ... 64
+  LatePolicy when_late = LatePolicy::kSlowDown;
+  double accuracy_floor = 0.1;  // 1e-5 ... 1, error over a second up to which kLessAccurate goes
   bool start_paused = false;
   double tf_timeout = 0.1;  // s, 0.001 ... 10
 };
 
 const char* to_string(ClockMode mode);
+const char* to_string(LatePolicy policy);
 
 /// Reads and checks all. Throws InputError naming the parameter and what is allowed. Unknown private parameters and
 /// one summary line are logged.

@@ -11,6 +11,7 @@
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/parameters.h"
 #include "deformable_sim/ros/simulation.h"
+#include "deformable_sim/scene/allowed_paths.h"
 
 namespace deformable_sim {
 
@@ -20,9 +21,9 @@ class SceneLoader {
 
   SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames, Drag drag_grasp);
 
-  /// A path, or the bare name of a shipped scene. Throws InputError.
-  LoadedScene from_file(const std::string& file) const;
-  LoadedScene from_text(const std::string& yaml) const;
+  /// A path, or the bare name of a scene in ~scene_dir; `files` are those that may be opened for it. Throws InputError.
+  LoadedScene from_file(const std::string& file, const AllowedPaths& files) const;
+  LoadedScene from_text(const std::string& yaml, const AllowedPaths& files) const;
 
  private:
   LoadedScene build(SceneSpec spec) const;

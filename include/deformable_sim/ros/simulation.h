@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <ostream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "deformable_sim/ros/request_queue.h"
 #include "deformable_sim/ros/warnings.h"
 #include "deformable_sim/scene/script.h"
+#include "deformable_sim/scene/state_file.h"
 
 namespace deformable_sim {
 
@@ -63,6 +65,9 @@ class Simulation {
   Reply pause(bool paused);
   Reply reset();
   Reply replace(LoadedScene scene);
+  Reply save(SavedState* state);
+  /// Refused, it changes nothing.
+  Reply restore(SavedState state);
   /// Runs `steps` steps and returns when they are done. Refused while time runs by itself.
   StepAnswer step(std::uint32_t steps);
   Reply describe(std::string* text);
@@ -83,9 +88,11 @@ class Simulation {
   Reply all_now(const std::vector<Command>& commands);
   Reply start_steps(const std::shared_ptr<StepRun>& run);
   void begin_world();
+  void begin_time();
   void note_names();
   void end_steps(const Status& status);
   void watch_speed(double cost, SpeedMeter::Clock::time_point began);
+  void give_way(std::ostream* text);
   std::string description() const;
   Instant run_state() const;
 
@@ -105,6 +112,7 @@ class Simulation {
   bool paused_;
   std::string failure_;
   bool behind_ = false;
+  bool gives_way_ = false;  // accuracy does, since the world was begun
   double given_up_before_ = 0.0;
   std::uint64_t version_ = 0;
   std::shared_ptr<StepRun> steps_;

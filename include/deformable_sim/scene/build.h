@@ -2,14 +2,26 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "deformable_sim/core/world.h"
+#include "deformable_sim/scene/solver_choice.h"
 #include "deformable_sim/scene/spec.h"
 
 namespace deformable_sim {
 
 /// Model of the scene's bodies. Throws InputError naming file:line for what only the files behind it can show (meshes).
 std::shared_ptr<const Model> build_model(const SceneSpec& spec);
+
+/// Pins, then the scene's own grasps.
+std::vector<GraspRequest> grasps_of(const SceneSpec& spec);
+
+/// What `solver: auto` chooses for the scene; `features` are features_of() it.
+SolverChoice choose_for(const SceneSpec& spec, const Model& model, const SceneFeatures& features,
+                        const SolverTable& table);
+
+/// Scheme, solver and step of a world: those the scene names, or those of a choice where it has one (null: none).
+WorldSettings settings_for(const SceneSpec& spec, const SolverChoice* choice);
 
 /// Model, colliders and grasps, ready to step on so many threads.
 std::unique_ptr<World> build_world(const SceneSpec& spec, int threads = 1);

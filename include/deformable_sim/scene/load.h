@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "deformable_sim/scene/allowed_paths.h"
 #include "deformable_sim/scene/spec.h"
 
 namespace deformable_sim {
@@ -12,16 +13,18 @@ namespace deformable_sim {
 /// A `KEY=VALUE` override: path such as bodies[0].cloth.cells, value as YAML text.
 using Override = std::pair<std::string, std::string>;
 
-/// Reads and validates a file. Throws InputError: "file:line: key: what, and what is allowed".
-SceneSpec load_scene_file(const std::string& path, const std::vector<Override>& overrides = {});
+/// Reads and validates a file. Throws InputError: "file:line: key: what, and what is allowed". `files` are those that
+/// the scene may name: meshes, octomaps.
+SceneSpec load_scene_file(const std::string& path, const std::vector<Override>& overrides = {},
+                          const AllowedPaths& files = {});
 
 /// The same for text; `origin` stands for the file name in messages and as base for relative mesh paths.
 SceneSpec load_scene_text(const std::string& yaml, const std::string& origin,
-                          const std::vector<Override>& overrides = {});
+                          const std::vector<Override>& overrides = {}, const AllowedPaths& files = {});
 
 /// A bare NAME is SCENE_DIR/NAME.yaml; anything with a slash or an extension is a path. Throws InputError (kNotFound)
-/// listing the scenes that exist.
-std::string find_scene(const std::string& name_or_file, const std::string& scene_dir);
+/// listing the scenes that exist, or what AllowedPaths throws.
+std::string find_scene(const std::string& name_or_file, const std::string& scene_dir, const AllowedPaths& files = {});
 
 /// Names of the scenes in a folder, sorted.
 std::vector<std::string> scene_names(const std::string& scene_dir);

@@ -25,6 +25,9 @@ class Script {
   }
   /// From the beginning: the world was reset.
   void restart() { next_ = 0; }
+  /// How many events were taken, and from there on. Throws InputError when there are not as many.
+  std::size_t taken() const { return next_; }
+  void go_on_after(std::size_t events);
 
  private:
   std::vector<ScriptEvent> events_;

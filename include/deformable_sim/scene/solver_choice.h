@@ -79,6 +79,7 @@ struct SolverChoice {
   SolverConfiguration configuration;
   int parts = 1;                                                                                            // of a step
   double error = std::numeric_limits<double>::quiet_NaN(), cpu = std::numeric_limits<double>::quiet_NaN();  // expected
+  bool guessed = false;  // from scenes unlike this one: 64 times as many nodes or explicit steps, or as few
   std::string why;
 
   /// False: nothing like the scene was, and the configuration is what a scene's manual defaults are.

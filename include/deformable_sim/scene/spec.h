@@ -26,6 +26,8 @@ constexpr double kMinContactRadius = 0.001;
 
 /// Nodes of all bodies of one scene, at most.
 constexpr int kMaxNodes = 200000;
+/// Of all visual surfaces of a scene together.
+constexpr int kMaxSkinVertices = 1000000;
 
 /// Rigid placement: position (m) and either rpy (rad, fixed axes x y z) or a quaternion orientation [x, y, z, w].
 struct PoseSpec {
@@ -223,6 +225,8 @@ enum class SolverMode { kAuto, kManual };
 struct StepSpec {
   /// Auto: build_world() chooses integrator, solver and, unless it is given, dt.
   SolverMode mode = SolverMode::kAuto;
+  StepControl control = StepControl::kFixed;
+  double floor = 0.1;   // with a budget to keep to: error up to which accuracy gives way
   double error = 0.01;  // auto: of the positions, relative to the body's size, that is asked for
   double budget = 0.8;  // auto: CPU s per simulated s that it may take
   double dt = 0.01;     // s

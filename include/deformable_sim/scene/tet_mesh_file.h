@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "deformable_sim/core/topology/tet_mesh.h"
 
@@ -9,6 +10,9 @@ namespace deformable_sim {
 
 /// Whether the extension is one that load_tet_mesh() reads: .msh, .mesh, .node, .ele.
 bool is_tet_mesh_file(const std::string& path);
+
+/// The files that are opened where `path` is named: itself, or both of a TetGen pair.
+std::vector<std::string> tet_mesh_parts(const std::string& path);
 
 /// Reads linear tetrahedra from ASCII text: Gmsh .msh (versions 2.2 and 4.1), MEDIT .mesh, or a TetGen pair .node and
 /// .ele, of which `path` names either. Nodes are numbered in the order of the file; `scale` is metres per unit of the

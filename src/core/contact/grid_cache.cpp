@@ -2,27 +2,18 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <system_error>
 #include <utility>
 
-#include <unistd.h>
+#include "deformable_sim/core/whole_file.h"
 
 namespace deformable_sim {
 namespace {
 
-constexpr std::uint64_t kStart = 14695981039346656037ull;
 /// To be raised when grids of the same mesh come to look otherwise.
 constexpr std::uint32_t kVersion = 1;
-
-std::uint64_t hash_of(const void* data, size_t bytes, std::uint64_t hash) {
-  const auto* byte = static_cast<const unsigned char*>(data);
-  for (size_t i = 0; i < bytes; ++i) hash = (hash ^ byte[i]) * 1099511628211ull;
-  return hash;
-}
 
 struct Header {
   char magic[8] = {'d', 's', 'i', 'm', 'g', 'r', 'i', 'd'};
@@ -44,7 +35,7 @@ Header header_of(std::uint64_t hash, const DistanceGrid& grid, const std::vector
     header.origin[k] = grid.origin()[k];
   }
   header.spacing = grid.spacing();
-  header.checksum = hash_of(values.data(), values.size() * sizeof(float), kStart);
+  header.checksum = deformable_sim::checksum(values.data(), values.size() * sizeof(float));
   return header;
 }
 
@@ -57,9 +48,9 @@ std::filesystem::path file_of(const std::string& folder, std::uint64_t hash) {
 }  // namespace
 
 std::uint64_t content_hash(const SolidPart& part) {
-  std::uint64_t hash = hash_of(&kVersion, sizeof kVersion, kStart);
-  for (const Vec3& v : part.vertices) hash = hash_of(v.data(), 3 * sizeof(double), hash);
-  for (const std::array<int, 3>& t : part.triangles) hash = hash_of(t.data(), sizeof t, hash);
+  std::uint64_t hash = checksum(&kVersion, sizeof kVersion);
+  for (const Vec3& v : part.vertices) hash = checksum(v.data(), 3 * sizeof(double), hash);
+  for (const std::array<int, 3>& t : part.triangles) hash = checksum(t.data(), sizeof t, hash);
   return hash;
 }
 
@@ -80,26 +71,11 @@ bool read_grid(const std::string& folder, std::uint64_t hash, DistanceGrid* grid
 }
 
 void write_grid(const std::string& folder, std::uint64_t hash, const DistanceGrid& grid) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  const std::filesystem::path file = file_of(folder, hash);
-  // A name of its own until it is whole; another writer of the same grid then replaces it by the same.
-  std::string scratch = file.string() + ".XXXXXX";
-  const int handle = mkstemp(scratch.data());
-  if (handle < 0) return;
-  close(handle);
-  bool written = false;
-  {
-    std::ofstream out(scratch, std::ios::binary);
-    const Header header = header_of(hash, grid, grid.values());
-    out.write(reinterpret_cast<const char*>(&header), sizeof header);
-    out.write(reinterpret_cast<const char*>(grid.values().data()),
-              static_cast<std::streamsize>(grid.values().size() * sizeof(float)));
-    out.flush();
-    written = out.good();
-  }
-  if (written) std::filesystem::rename(scratch, file, error);
-  if (!written || error) std::filesystem::remove(scratch, error);
+  const Header header = header_of(hash, grid, grid.values());
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
+  bytes.append(reinterpret_cast<const char*>(grid.values().data()), grid.values().size() * sizeof(float));
+  // A cache that cannot be written is none.
+  write_whole_file(file_of(folder, hash).string(), bytes);
 }
 
 }  // namespace deformable_sim

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "deformable_sim/core/energy/element_energy.h"
+#include "deformable_sim/core/energy/largest_stress.h"
 #include "deformable_sim/core/energy/shell_terms.h"
 #include "deformable_sim/core/material/plate_patches.h"
 
@@ -117,11 +118,12 @@ Eigen::Matrix2Xf principal_stresses(const TriangleMesh& mesh, const SheetMateria
 
 Eigen::VectorXf sheet_stress(const TriangleMesh& mesh, const SheetMaterial& material, const Nodes& x_body) {
   const Eigen::Matrix2Xf s = principal_stresses(mesh, material, x_body);
-  return (s.row(0).array().square() - s.row(0).array() * s.row(1).array() + s.row(1).array().square())
-      .max(0.0F)
-      .sqrt()
-      .matrix()
-      .transpose();
+  Eigen::VectorXf result(s.cols());
+  for (Eigen::Index i = 0; i < s.cols(); ++i) {
+    const float a = s(0, i), b = s(1, i), square = a * a - a * b + b * b;
+    result[i] = shown_stress(square < 0.0F ? 0.0F : std::sqrt(square));
+  }
+  return result;
 }
 
 }  // namespace deformable_sim

@@ -9,6 +9,7 @@
 
 #include "deformable_sim/core/element/quadratic_tetrahedron.h"
 #include "deformable_sim/core/energy/element_energy.h"
+#include "deformable_sim/core/energy/largest_stress.h"
 #include "deformable_sim/core/error.h"
 
 namespace deformable_sim {
@@ -211,7 +212,7 @@ Eigen::VectorXf solid_stress(const TetMesh& mesh, const SolidMaterial& material,
   const std::vector<Mat3> stress = solid_cauchy_stress(mesh, material, x);
   Eigen::VectorXf result(static_cast<Eigen::Index>(stress.size()));
   for (size_t i = 0; i < stress.size(); ++i) {
-    result[static_cast<Eigen::Index>(i)] = static_cast<float>(von_mises(stress[i]));
+    result[static_cast<Eigen::Index>(i)] = shown_stress(static_cast<float>(von_mises(stress[i])));
   }
   return result;
 }

@@ -220,6 +220,13 @@ std::vector<TargetSprings*> GraspSet::springs() const {
   return springs;
 }
 
+double GraspSet::stored_energy(const State& s) const {
+  double sum = 0.0;
+  for (const Grasp& g : grasps_)
+    if (g.springs && g.phase != GraspPhase::kSlipped) sum += g.springs->value(s);
+  return sum;
+}
+
 void GraspSet::advance(double dt, const State& s, Kinematics* kinematics) {
   for (Grasp& g : grasps_) {
     if (g.phase == GraspPhase::kSlipped) continue;

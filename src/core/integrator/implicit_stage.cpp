@@ -353,16 +353,22 @@ bool ImplicitStage::solve_linear(StepReport* report) {
 void ImplicitStage::search_along_step() {
   const double slope = step_.cwiseProduct(residual_).sum();
   before_ = trial_.x;
-  double fraction = 1.0;
+  double fraction = 1.0, whole = 0.0;
   for (int k = 0; k <= kHalvings; ++k, fraction *= 0.5) {
     trial_.x = before_ + fraction * step_;
     evaluate();
     if (unbalanced(residual_) <= settings_.tolerance) return;
-    const double ratio = step_.cwiseProduct(residual_).sum() / slope;
+    const double work = step_.cwiseProduct(residual_).sum(), ratio = work / slope;
+    if (k == 0) whole = work;
     if (!(ratio >= -kEnough && ratio <= kMostGrowth)) continue;
     if (std::abs(ratio) > kInexact) try_fraction(ratio < kLeastLeft ? fraction / (1.0 - ratio) : kFarthest * fraction);
     return;
   }
+  // A step that solves nothing, as conjugate gradients in single precision return where k tau^2 / m is 1e8: of linear
+  // forces the place along it is known where p.r is zero, and cannot be worse than where it began.
+  if (!linearised_ || !contacts_.empty() || whole == slope) return;
+  trial_.x = before_ + slope / (slope - whole) * step_;
+  evaluate();
 }
 
 /// A slack sheet stiffens while it moves, so that full steps overshoot; a matrix stiffer than the forces falls short.

@@ -14,7 +14,11 @@
 namespace deformable_sim {
 namespace {
 
-constexpr int kRemeasureSteps = 500;  // a limit changes little while the rest shape is the same
+constexpr int kRemeasureSteps = 500;  // springs: a limit changes little while the rest shape is the same
+// Of a body that bends and is squeezed it falls. (omega h)^2 of the last part's motion, over the 4 at which parts
+// become unstable: certainly outdated, and worth another look.
+constexpr double kCertain = 1.0, kSuspect = 0.1;
+constexpr int kSuspectSteps = 10, kMostTries = 3;
 constexpr int kMostParts = 100000;
 
 /// Kick h/2; drift h, kick h, ...; drift h, kick h/2. Damping acts with the velocity in the middle of a part, drag per
@@ -41,18 +45,18 @@ class SubsteppedVerlet : public Integrator {
   StepReport advance(double dt, Dynamics* d, State* s) override {
     measure(*d, *s);
     if (!prepared_) prepare(*d);
-    begin(dt, *d, *s);
-    const double parts = std::clamp(std::ceil(dt / (fraction_ * stable_dt_) - 1e-9), 1.0, 1.0 * kMostParts);
-    const auto count = static_cast<int>(parts);
-    const double h = dt / parts;
-    find_link_parts(h, count);
-    leap(0.5 * h, h, 0.0, dt, d);
-    for (part_ = 1; part_ < count; ++part_) leap(h, h, part_ * h, dt, d);
-    leap(0.5 * h, 0.0, dt, dt, d);
-    finish(dt, d, s);
     StepReport report;
-    report.converged = s->finite();
-    report.force_evaluations = count + 1;
+    for (int tries = 1;; ++tries) {
+      begin(dt, *d, *s);
+      take_parts(dt, d);
+      report.force_evaluations += count_ + 1;
+      if (others_.empty() || tries == kMostTries || !limit_has_fallen(*d, *s)) break;
+    }
+    finish(dt, d, s);
+    // Still too long for where they led, which is stiffer than where they began: no step.
+    const bool outgrown = !others_.empty() && sharpness_ > kCertain;
+    report.converged = s->finite() && !outgrown;
+    if (outgrown) report.residual = std::numeric_limits<double>::infinity();
     if (!report.converged) measured_ago_ = kRemeasureSteps;
     return report;
   }
@@ -120,6 +124,38 @@ class SubsteppedVerlet : public Integrator {
     stable_dt_ = stable_step(*parts_scheme_, highest_frequency(d, s), highest_damping_rate(d, s));
   }
 
+  void take_parts(double dt, Dynamics* d) {
+    const double parts = std::clamp(std::ceil(dt / (fraction_ * stable_dt_) - 1e-9), 1.0, 1.0 * kMostParts);
+    const auto count = static_cast<int>(parts);
+    const double h = dt / parts;
+    find_link_parts(h, count);
+    leap(0.5 * h, h, 0.0, dt, d);
+    for (part_ = 1; part_ < count; ++part_) leap(h, h, part_ * h, dt, d);
+    if (!others_.empty()) last_force_ = force_;
+    leap(0.5 * h, 0.0, dt, dt, d);
+  }
+
+  /// (omega h)^2 / 4 of the last part's motion by Rayleigh's quotient, which is a lower bound of the highest: dx = h v,
+  /// df the change of the forces over it. Springs in packets are left out, and grow no stiffer.
+  double find_sharpness() const {
+    double stiff = 0.0, inert = 0.0;
+    for (Eigen::Index i = 0; i < inverse_mass_.size(); ++i) {
+      if (!(inverse_mass_[i] > 0.0)) continue;
+      stiff += (last_force_.col(i) - force_.col(i)).dot(work_.v.col(i));
+      inert += work_.v.col(i).squaredNorm() / inverse_mass_[i];
+    }
+    return inert == 0.0 ? 0.0 : 0.25 * part_length_ * stiff / inert;
+  }
+
+  /// Measures again from the start of a step whose motion is as sharp as its parts can bear, or no number. True: the
+  /// parts were too long, and the step is to be taken again.
+  bool limit_has_fallen(const Dynamics& d, const State& start) {
+    if (sharpness_ < (measured_ago_ < kSuspectSteps ? kCertain : kSuspect)) return false;
+    measured_ago_ = kRemeasureSteps;
+    measure(d, start);
+    return part_length_ > (1.0 + 1e-6) * fraction_ * stable_dt_;
+  }
+
   /// In which of the parts of length h slow links act: every so many.
   void find_link_parts(double h, int count) {
     part_ = 0;
@@ -166,6 +202,7 @@ class SubsteppedVerlet : public Integrator {
       }
       force_.setZero(3, work_.x.cols());
       for (const Energy* energy : others_) energy->add_force(work_, &force_);
+      if (drift == 0.0) sharpness_ = find_sharpness();  // before the kick, with the velocity that led here
     }
     for (auto& sheet : sheets_) {
       sheet->leap(kick, drift, everywhere_, more);
@@ -304,7 +341,8 @@ class SubsteppedVerlet : public Integrator {
 
   State work_;
   double start_time_ = 0.0;
-  Nodes force_;                // of others_, all nodes
+  Nodes force_, last_force_;   // of others_, all nodes; a part before the end of the step
+  double sharpness_ = 0.0;     // of the last part, see find_sharpness()
   Nodes mesh_impulse_;         // N s so far, of held nodes of the mesh
   Nodes held_force_, held_v_;  // of held nodes: mean force of terms that are no MassForce; velocity at the start
 

@@ -1,6 +1,7 @@
 #include "deformable_sim/core/topology/upsampling.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -23,25 +24,26 @@ std::vector<std::vector<Weight>> line_weights(int count, int factor) {
     const double t = static_cast<double>(point - cell * factor) / factor, t2 = t * t, t3 = t2 * t;
     const std::array<double, 4> spline{{0.5 * (-t + 2.0 * t2 - t3), 0.5 * (2.0 - 5.0 * t2 + 3.0 * t3),
                                         0.5 * (t + 4.0 * t2 - 3.0 * t3), 0.5 * (t3 - t2)}};
-    std::vector<double> dense(static_cast<size_t>(std::max(count, 3)), 0.0);
+    const int first = std::max(0, cell - 1), last = std::min(count - 1, cell + 2);
+    std::array<double, 4> near{};  // of the nodes from `first` on: no other has a weight
+    const auto at = [&near, first](int node) -> double& { return near[static_cast<size_t>(node - first)]; };
     for (int k = 0; k < 4; ++k) {
       const int node = cell - 1 + k;
       const double value = spline[static_cast<size_t>(k)];
       if (node >= 0 && node < count) {
-        dense[static_cast<size_t>(node)] += value;
+        at(node) += value;
         continue;
       }
       // Beyond the rim: 3 x_0 - 3 x_1 + x_2, or 2 x_0 - x_1 where there is no third.
       const int rim = node < 0 ? 0 : count - 1, inward = node < 0 ? 1 : -1;
       const bool parabola = count > 2;
-      dense[static_cast<size_t>(rim)] += (parabola ? 3.0 : 2.0) * value;
-      dense[static_cast<size_t>(rim + inward)] += (parabola ? -3.0 : -1.0) * value;
-      if (parabola) dense[static_cast<size_t>(rim + 2 * inward)] += value;
+      at(rim) += (parabola ? 3.0 : 2.0) * value;
+      at(rim + inward) += (parabola ? -3.0 : -1.0) * value;
+      if (parabola) at(rim + 2 * inward) += value;
     }
     std::vector<Weight> sparse;
-    const int first = std::max(0, cell - 1), last = std::min(count - 1, cell + 2);
     for (int node = first; node <= last; ++node) {
-      if (dense[static_cast<size_t>(node)] != 0.0) sparse.push_back({node, dense[static_cast<size_t>(node)]});
+      if (at(node) != 0.0) sparse.push_back({node, at(node)});
     }
     all.push_back(std::move(sparse));
   }

@@ -26,6 +26,9 @@ class StatusPublisher : public TopicsPublisher {
     message.real_time_factor = instant.real_time_factor;
     message.paused = instant.paused;
     message.integrator = snapshot.integrator;
+    message.substeps = static_cast<std::uint32_t>(std::max(1, snapshot.substeps));
+    message.repeated_steps = snapshot.repeated;
+    message.energy_created = snapshot.energy_created;
     message.iterations = static_cast<std::uint32_t>(std::max(0, snapshot.report.newton_iterations));
     message.residual = snapshot.report.residual;
     for (const BodyReport& body : snapshot.bodies) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "deformable_sim/core/archive.h"
 #include "deformable_sim/core/contact/constraint.h"
 #include "deformable_sim/core/contact/crossing_guard.h"
 #include "deformable_sim/core/contact/stick_memory.h"
@@ -20,6 +21,11 @@ class ContactPlace {
   ContactPlace() = default;
   ContactPlace(const std::array<int, 4>& node, int first)
       : low_(pack(node[0], node[1])), high_(pack(node[2], node[3])), first_(first) {}
+  void pass(Archive* archive) {
+    archive->pass(&low_);
+    archive->pass(&high_);
+    archive->pass(&first_);
+  }
   bool operator==(const ContactPlace& o) const { return low_ == o.low_ && high_ == o.high_ && first_ == o.first_; }
   bool operator<(const ContactPlace& o) const {
     if (low_ != o.low_) return low_ < o.low_;
@@ -61,6 +67,7 @@ class BodyContacts {
   void forget() {
     memory_.forget();
     pieces_.forget();
+    rate_ = 0.0;
   }
   /// A part of the step is accepted: remembers ContactConstraint::stuck of contacts between bodies.
   void keep_stuck(const ContactConstraints& contacts);
@@ -70,6 +77,8 @@ class BodyContacts {
   }
   /// CrossingGuard::find_crossing().
   std::string find_crossing(const Nodes& x) { return guard_.find_crossing(x); }
+  /// Saved states. What is known of which pieces are near is forgotten, in the world that is saved as well.
+  void pass(Archive* archive);
   int piece_count() const { return pieces_.piece_count(); }
 
  private:

@@ -33,6 +33,7 @@ class ColliderMesh {
  public:
   explicit ColliderMesh(SolidPart part, const MeshBuild& build = {});
 
+  const SolidPart& part() const { return part_; }
   const std::vector<Vec3>& vertices() const { return part_.vertices; }
   const std::vector<std::array<int, 3>>& triangles() const { return part_.triangles; }
   const Eigen::AlignedBox3d& box() const { return box_; }

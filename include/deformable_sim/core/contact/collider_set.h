@@ -37,6 +37,9 @@ class ColliderSet {
   /// Poses are those of now.
   const std::vector<Collider>& colliders() const { return colliders_; }
 
+  /// Saved states. Meshes and octomaps that `known` has as well are taken from there instead of being built anew.
+  void pass(const std::vector<Collider>& known, Archive* archive);
+
   /// Motions only, for repeating a step.
   const std::vector<FrameMotion>& motions() const { return motions_; }
   void restore_motions(const std::vector<FrameMotion>& motions);

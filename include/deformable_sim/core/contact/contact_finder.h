@@ -65,6 +65,9 @@ class ContactFinder {
   /// Deepest contact point inside a surface at the end of the step, m; contact radius not counted.
   double penetration(const Nodes& x, const std::vector<PoseStep>& poses, const ContactConstraints& contacts);
 
+  /// Saved states, with the colliders they were saved with.
+  void pass(Archive* archive);
+
   int shape_count() const { return static_cast<int>(shapes_.size()); }
   int point_count() const { return static_cast<int>(points_.size() + between_.size()); }
 
@@ -92,11 +95,12 @@ class ContactFinder {
   };
   /// A plane of this or the last step in collider coordinates, to keep points on their side of thin plates.
   struct Plane {
-    std::int64_t key;  // shape, point and (concave meshes) triangle, ascending
-    int shape;
-    Vec3 normal, point;   // collider frame
-    double end_offset;    // normal . p of the surface at the end of the step, world frame
-    double asked_offset;  // the same where the point is asked to be; lower than the surface for one on its way out
+    std::int64_t key = 0;  // shape, point and (concave meshes) triangle, ascending
+    int shape = 0;
+    Vec3 normal, point;       // collider frame
+    double end_offset = 0.0;  // normal . p of the surface at the end of the step, world frame
+    double asked_offset =
+        0.0;  // the same where the point is asked to be; lower than the surface for one on its way out
   };
   struct Point {
     Vec3 p;

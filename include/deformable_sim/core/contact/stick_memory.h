@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "deformable_sim/core/archive.h"
 #include "deformable_sim/core/types.h"
 
 namespace deformable_sim {
@@ -43,6 +44,16 @@ class StickMemoryBy {
     return next_ < list.size() && list[next_].key == key ? list[next_].stuck : Vec3::Zero();
   }
 
+  /// Between two steps. pass_key(&key) hands over a key.
+  template <class PassKey>
+  void pass(Archive* archive, const PassKey& pass_key) {
+    begin_step();
+    archive->pass_each(&start_, sizeof(Vec3), [&](Entry* entry) {
+      pass_key(&entry->key);
+      archive->pass(&entry->stuck);
+    });
+  }
+
   void store(const Key& key, const Vec3& stuck) {
     if (!stuck.isZero(0.0)) stored_.push_back({key, stuck});
   }
@@ -54,8 +65,8 @@ class StickMemoryBy {
 
  private:
   struct Entry {
-    Key key;
-    Vec3 stuck;
+    Key key{};
+    Vec3 stuck = Vec3::Zero();
   };
   enum class Remembered { kOfStart, kOfLastPart };
 

@@ -48,7 +48,7 @@ Eigen::Matrix2Xf principal_strains(const TriangleMesh& mesh, const Nodes& x_body
 /// material has a thickness (then of the unstretched thickness).
 Eigen::Matrix2Xf principal_stresses(const TriangleMesh& mesh, const SheetMaterial& material, const Nodes& x_body);
 
-/// Von Mises stress at the nodes from those: sqrt(a^2 - a b + b^2).
+/// Von Mises stress at the nodes from those: sqrt(a^2 - a b + b^2), at most kLargestStress.
 Eigen::VectorXf sheet_stress(const TriangleMesh& mesh, const SheetMaterial& material, const Nodes& x_body);
 
 }  // namespace deformable_sim

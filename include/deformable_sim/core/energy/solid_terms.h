@@ -32,7 +32,7 @@ std::vector<Mat3> deformation_gradients(const TetMesh& mesh, const Nodes& x);
 /// their points of quadrature to the corners, and middle nodes take the mean of the two corners.
 std::vector<Mat3> solid_cauchy_stress(const TetMesh& mesh, const SolidMaterial& material, const Nodes& x);
 
-/// von Mises' equivalent of it, Pa.
+/// von Mises' equivalent of it, Pa, at most kLargestStress.
 Eigen::VectorXf solid_stress(const TetMesh& mesh, const SolidMaterial& material, const Nodes& x);
 
 /// Expected ratio of a bending deflection of this mesh to the right one, for bending across its thinnest direction,

@@ -39,6 +39,8 @@ class GraspSet {
   Kinematics kinematics();
   std::vector<TargetSprings*> springs() const;
 
+  /// Of soft grasps, J.
+  double stored_energy(const State& s) const;
   /// Moves the frames on by dt from the state s and writes where held nodes have to be at its end.
   void advance(double dt, const State& s, Kinematics* kinematics);
   /// Start of a step: forgets the last wrenches.
@@ -50,6 +52,9 @@ class GraspSet {
 
   std::vector<GraspReport> reports() const;
   int held_count() const;
+
+  /// Saved states.
+  void pass(Archive* archive);
 
   /// Motions only, for repeating a step.
   void save_motions(std::vector<FrameMotion>* motions) const;
@@ -80,6 +85,8 @@ class GraspSet {
     Nodes targets;                           // of the springs
   };
 
+  void pass_grasp(Archive* archive, Grasp* grasp);
+  void check_free_of_others(size_t which) const;
   void check_request(const GraspRequest& request) const;
   void check_free(const std::vector<int>& nodes, const std::string& taker) const;
   Grasp& find(const std::string& name);

@@ -1,0 +1,195 @@
+#include "fuzz_run.h"
+
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <memory>
+
+#include "deformable_sim/core/integrator/cpu_time.h"
+#include "deformable_sim/scene/build.h"
+#include "deformable_sim/scene/load.h"
+#include "deformable_sim/scene/script.h"
+#include "fuzz_commands.h"
+#include "fuzz_watch.h"
+
+namespace deformable_sim::fuzz {
+namespace {
+
+constexpr double kSlack = 1e-9;  // s
+
+/// FNV-1a over the bytes of what a step changes.
+void add_bits(const Nodes& values, std::uint64_t* bits) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, values.data() + i, sizeof word);
+    *bits = (*bits ^ word) * 0x100000001b3ULL;
+  }
+}
+
+bool has_soft_grasps(const SceneSpec& scene, const std::vector<TimedCommand>& commands) {
+  for (const GraspSpec& g : scene.grasps)
+    if (g.request.stiffness > 0.0) return true;
+  for (const ScriptEvent& e : scene.script) {
+    const auto* grasp = std::get_if<command::Grasp>(&e.command);
+    if (grasp && grasp->request.stiffness > 0.0) return true;
+  }
+  for (const TimedCommand& c : commands)
+    if (c.word == "grasp" && !c.numbers.empty() && c.numbers.back() > 0.0) return true;
+  return false;
+}
+
+/// A world and all that happens to it.
+class Life {
+ public:
+  Life(const SceneSpec& scene, const std::vector<TimedCommand>& commands, const Limits& limits, World* world)
+      : scene_(scene), commands_(commands), limits_(limits), world_(world), script_(scene.script) {}
+
+  Outcome outcome;
+
+  void live() {
+    const bool soft = has_soft_grasps(scene_, commands_);
+    Watch watch(scene_, *world_, soft ? Watch::Grasps::kSoft : Watch::Grasps::kRigid);
+    const double began = thread_cpu_time(), dt = world_->settings().dt;
+    outcome.integrator = world_->settings().integrator;
+    outcome.bits = 0xcbf29ce484222325ULL;
+    for (; outcome.time < limits_.seconds - kSlack && outcome.steps < limits_.steps; ++outcome.steps) {
+      if (disturb()) watch.disturbed();
+      const State before = world_->state();
+      const StepOutcome step = world_->step();
+      outcome.time = (outcome.steps + 1) * dt;
+      outcome.cpu = thread_cpu_time() - began;
+      if (!step.ok) return stopped(step, before);
+      add_bits(world_->state().x, &outcome.bits);
+      add_bits(world_->state().v, &outcome.bits);
+      const Finding finding = watch.look(*world_);
+      // Unstable at any step but with much damping, as its warning says.
+      const bool by_nature = finding.what == "far" && outcome.integrator == "explicit_euler";
+      if (by_nature) return diverged(finding.detail);
+      if (!finding.what.empty()) return found(finding.what, finding.detail);
+      if (outcome.cpu < limits_.cpu) continue;
+      outcome.end = Outcome::End::kCut;
+      ++outcome.steps;
+      return;
+    }
+  }
+
+ private:
+  /// Plays what is due. Commands come by the time since the beginning, which a reset does not turn back.
+  bool disturb() {
+    bool any = false;
+    while (next_ < commands_.size() && commands_[next_].time <= outcome.time + kSlack) {
+      const TimedCommand& c = commands_[next_++];
+      if (!apply(c, world_).status.ok()) ++outcome.refused_commands;
+      if (c.word == "reset") script_.restart();
+      any = true;
+    }
+    while (const ScriptEvent* event = script_.take(world_->time())) {
+      if (!world_->apply(event->command).status.ok()) ++outcome.refused_commands;
+      any = true;
+    }
+    return any;
+  }
+
+  void found(const std::string& what, const std::string& detail) {
+    outcome.end = Outcome::End::kFound;
+    outcome.what = what;
+    outcome.detail = detail;
+  }
+
+  void diverged(const std::string& detail) {
+    outcome.end = Outcome::End::kStopped;
+    outcome.what = "stop";
+    outcome.detail = detail;
+  }
+
+  void stopped(const StepOutcome& step, const State& before) {
+    outcome.detail = step.message;
+    const bool same = before.x == world_->state().x && before.v == world_->state().v &&
+                      before.time == world_->state().time && before.directors == world_->state().directors;
+    if (!same) return found("moved_by_stop", step.message);
+    const Finding finding = Watch(scene_, *world_, Watch::Grasps::kSoft).look_at_numbers(*world_);
+    if (!finding.what.empty()) return found(finding.what, finding.detail + ", after a stop");
+    world_->apply(command::Reset{});
+    // At the very start nothing was commanded yet that could be to blame: the scene itself cannot be stepped.
+    if (outcome.steps > 0 && !world_->step().ok) return found("dead_after_stop", step.message);
+    if (scene_.step.mode == SolverMode::kAuto) return found("stop", step.message);
+    diverged(step.message);
+  }
+
+  const SceneSpec& scene_;
+  const std::vector<TimedCommand>& commands_;
+  const Limits& limits_;
+  World* world_;
+  Script script_;
+  size_t next_ = 0;
+};
+
+template <class Work>
+Outcome guarded(const Work& work) {
+  Outcome outcome;
+  try {
+    return work();
+  } catch (const InputError& error) {
+    outcome.end = Outcome::End::kRefused;
+    outcome.what = "refused";
+    outcome.detail = error.what();
+  } catch (const std::exception& error) {
+    outcome.end = Outcome::End::kFound;
+    outcome.what = "exception";
+    outcome.detail = error.what();
+  }
+  return outcome;
+}
+
+}  // namespace
+
+Outcome run_case(const std::string& text, const std::string& origin, const Limits& limits) {
+  return guarded([&] {
+    const SceneSpec scene = load_scene_text(text, origin);
+    const std::vector<TimedCommand> commands = commands_of(text);
+    const std::unique_ptr<World> world = build_world(scene, limits.threads);
+    if (limits.begins) {
+      const std::string& name = world->settings().integrator;
+      const double limit = make_integrator(name, world->settings().solver)->stability_limit();
+      limits.begins(name, scene.step.mode == SolverMode::kManual && std::isfinite(limit));
+    }
+    Life life(scene, commands, limits, world.get());
+    life.live();
+    return life.outcome;
+  });
+}
+
+Outcome compare_case(const std::string& text, const std::string& origin, const Limits& limits) {
+  const Outcome first = run_case(text, origin, limits);
+  if (first.end != Outcome::End::kDone && first.end != Outcome::End::kCut) return first;
+  Limits same = limits;
+  same.begins = nullptr;
+  same.steps = first.steps;
+  same.cpu = 10.0 * limits.cpu;
+  Outcome result = first;
+  const auto differs = [&](const std::string& what, const Outcome& second) {
+    result.cpu += second.cpu;
+    if (second.bits == first.bits || second.steps < first.steps) return false;
+    result.end = Outcome::End::kFound;
+    result.what = what;
+    result.detail = "other bits, " + first.integrator;
+    return true;
+  };
+  if (differs("repeat", run_case(text, origin, same))) return result;
+  const Outcome again = guarded([&] {
+    const SceneSpec scene = load_scene_text(text, origin);
+    const std::vector<TimedCommand> commands = commands_of(text);
+    const std::unique_ptr<World> world = build_world(scene);
+    Life(scene, commands, same, world.get()).live();
+    world->apply(command::Reset{});
+    Life second(scene, commands, same, world.get());
+    second.live();
+    return second.outcome;
+  });
+  if (differs("reset", again)) return result;
+  same.threads = 2;
+  differs("threads", run_case(text, origin, same));
+  return result;
+}
+
+}  // namespace deformable_sim::fuzz
