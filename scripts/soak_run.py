@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 
+import rosgraph
 import rospy
 import yaml
 
@@ -142,20 +143,22 @@ class SoakRun:
             self.sim.restore_state(name='kept')
 
     def restart_master(self):
+        known = self.registered()
         self.master.kill()
         self.master.wait()
         time.sleep(self.random.uniform(0.1, 2.0))
         self.master = start_master(self.port)
         self.robot.register_again()
         back = time.monotonic()
-        wait_until(self.answers, 'the node to register with the new master', DEADLINE)
+        wait_until(lambda: known <= self.registered(), 'the node to register with the new master', DEADLINE)
         self.slowest_registration = max(self.slowest_registration, time.monotonic() - back)
 
-    def answers(self):
-        try:
-            return self.sim.describe().success
-        except (rospy.ServiceException, rospy.exceptions.ROSException, OSError):
-            return False
+    @staticmethod
+    def registered():
+        """What the master knows of the node: (0: publishes, 1: listens to, 2: serves; name), but for topics of grasps."""
+        state = rosgraph.Master('/soak').getSystemState()
+        return {(i, name) for i, names in enumerate(state) for name, nodes in names
+                if '/' + NODE in nodes and '/grasp/' not in name}
 
     # --- what is seen of it ---
 
