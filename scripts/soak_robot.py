@@ -156,9 +156,8 @@ class Robot:
     def take(self, k, follows):
         """A corner, by service or by topic; the name of the grasp."""
         place = self.corner(k)
-        above = place[:2] + (place[2] + 0.1,)
-        self.carry('', above, True)
-        self.carry('', place, True)
+        self.carry('', place[:2] + (place[2] + 0.1,), True)
+        self.carry('', self.corner(k), True)  # it may have moved since
         name = 'hand_%d' % k
         fields = dict(name=name, body=BODY, selection=feature('corner_%d' % k), follow_frame=HAND if follows else '', max_force=HOLD)
         if self.random.random() < 0.5:
@@ -197,7 +196,7 @@ class Robot:
     def begin(self):
         """Empty hands, and the towel not too far away: a corner of it and how to hold it."""
         self.let_go()
-        self.wait(0.5)
+        self.wait(1.0)
         if self.random.random() < 0.2 or any(abs(c) > 1.5 for c in self.corner(0)):
             self.ask('set_state', self.sim.set_state, self.spread_state())
             self.wait(0.5)
@@ -219,7 +218,7 @@ class Robot:
         height = TABLE + self.random.uniform(0.08, 0.2)
         middle = tuple(0.5 * (a + b) for a, b in zip(start[:2], goal[:2])) + (max(goal[2], height),)
         self.carry(name, middle, follows)
-        self.carry(name, goal[:2] + (goal[2] + 0.008,), follows)
+        self.carry(name, goal[:2] + (goal[2] + 0.02,), follows)
         self.let_go(name)
         self.wait(self.random.uniform(0.5, 2.0))
 
@@ -229,7 +228,7 @@ class Robot:
         name = self.take(k, follows)
         self.carry(name, self.above_table(0.4, 0.6), follows)
         self.wait(1.0)
-        self.carry(name, self.above_table(0.01, 0.1), follows)
+        self.carry(name, self.above_table(0.03, 0.1), follows)
         self.let_go(name)
         self.wait(1.0)
 
@@ -239,7 +238,7 @@ class Robot:
         name = self.take(k, follows)
         self.ask('grasp', self.sim.grasp, name='other', body=BODY, selection=feature('corner_%d' % (3 - k)), max_force=0.3,
                  stiffness=50.0)
-        self.carry(name, self.above_table(0.01, 0.3), follows)
+        self.carry(name, self.above_table(0.03, 0.3), follows)
         self.let_go()
         self.wait(0.5)
 
