@@ -12,7 +12,8 @@ DESCRIPTORS = 2        # more than at the beginning, once all listeners are gone
 MASS = 1e-9            # relative
 TOLERANCE = 0.02       # m/s^2: the scene's step.tolerance, RMS of what a step may leave unbalanced
 WON = 1e-3             # of the kinetic energy, in a flight
-CREATED = 1e-6         # J per round of the robot
+CREATED = 0.02         # of what it takes to lift the towel by LIFT, a round
+LIFT = 0.5             # m, as the robot does
 STRAIN = 0.5           # what the fastest hand adds to the shortest edge in a step: 1 m/s x 0.02 s / 0.04 m
 LENGTH = 1e-6          # m, of edges and height of the towel at rest, at the end against the beginning
 SPEED = 1e-3           # m/s, at rest
@@ -65,7 +66,7 @@ def verdicts(found, samples):
     rows.append(bounded('momentum in %d flights, left open' % len(flights), max((f[0] for f in flights), default=0.0), TOLERANCE,
                         'm/s^2'))
     rows.append(bounded('energy won in flight', max((f[1] for f in flights), default=0.0), WON, 'of kinetic'))
-    rows.append(bounded('energy created', found['created'] / max(1, found['rounds']), CREATED, 'J a round'))
+    rows.append(bounded('energy created', found['created'] / (max(1, found['rounds']) * found['mass'] * 9.81 * LIFT), CREATED, 'of a lift'))
     rows.append(bounded('strain, largest', found['strain'], STRAIN, ''))
     rows.append(bounded('crossings in %d looks' % len(found['crossings']), sum(found['crossings']), 0, ''))
     rows += rest_verdicts(found['rests'], found['mass'])

@@ -46,6 +46,7 @@ class SoakRun:
         self.masses, self.crossings, self.unlike, self.stops, self.rests = [], [], [], 0, []
         self.slowest_registration = 0.0
         self.began, self.seconds, self.sampled = time.monotonic(), 0.0, 0.0
+        self.simulated = 0.0  # s, of the run proper
         self.quiet = []  # (MiB, descriptors) without listeners: at the beginning, at the end
         self.plan = self.schedule()
 
@@ -70,6 +71,7 @@ class SoakRun:
         self.robot.thread.start()
 
     def end(self):
+        self.simulated = self.robot.simulated
         self.robot.stopping = True
         self.robot.thread.join(DEADLINE)
         for listener in self.listeners:
@@ -226,7 +228,7 @@ class SoakRun:
         robot = self.robot
         return {'rests': self.rests, 'masses': self.masses, 'mass': sum(self.sheet.mass), 'crossings': self.crossings,
                 'unlike': self.unlike, 'stops': self.stops, 'flights': robot.flights, 'created': robot.created,
-                'strain': robot.most_strain, 'quiet': self.quiet, 'simulated': robot.simulated, 'rounds': robot.done.get('rounds', 0),
+                'strain': robot.most_strain, 'quiet': self.quiet, 'rounds': robot.done.get('rounds', 0),
                 'slowest_registration': self.slowest_registration,
                 'missed': [kind for _, kind in self.plan],
                 'robot_errors': [what for what in robot.done if what.startswith('robot: ')]}
