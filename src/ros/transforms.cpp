@@ -44,7 +44,8 @@ void Transforms::hear(const tf2_msgs::TFMessage& message, bool is_static) {
     if (!is_static && is_set_back(transform)) {
       ROS_WARN_STREAM_THROTTLE_NAMED(10.0, "frames",
                                      "the clock of tf frame " << transform.child_frame_id << " was set back to "
-                                                              << transform.header.stamp << "; what is older is dropped");
+                                                              << transform.header.stamp
+                                                              << "; what is older is dropped");
       clear();
     }
     buffer_.setTransform(transform, "tf", is_static);
