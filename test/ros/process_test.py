@@ -186,7 +186,7 @@ class Processes(unittest.TestCase):
         with tempfile.NamedTemporaryFile('w', suffix='.yaml') as busy, open(self.scene) as quiet:
             busy.write(quiet.read() + 'script:\n')
             for i in range(300):
-                grasp = 'grasp: {name: busy, body: sheet, select: {feature: corner_3}}'
+                grasp = 'grasp: {name: busy, body: sheet, select: {feature: corner_0}}'
                 busy.write('  - {at: %g, %s}\n' % (0.3 * i, 'release: busy' if i % 2 else grasp))
             busy.flush()
             self.restart_the_master_of(busy.name)
