@@ -1,4 +1,5 @@
 """One soak: the robot, what is done to the system meanwhile, and what is seen of the node."""
+import csv
 import os
 import random
 import signal
@@ -31,7 +32,7 @@ LISTENER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'soak_listen
 class SoakRun:
     """findings(), samples and story() are what came of it."""
 
-    def __init__(self, master, node, scene, seed, seconds):
+    def __init__(self, master, node, scene, seed, seconds, path):
         self.master, self.node, self.seed, self.until = master, node, seed, seconds
         self.port = int(os.environ['ROS_MASTER_URI'].rsplit(':', 1)[1])
         self.random = random.Random(seed + 1)
@@ -49,6 +50,7 @@ class SoakRun:
         self.simulated = 0.0  # s, of the run proper
         self.quiet = []  # (MiB, descriptors) without listeners: at the beginning, at the end
         self.plan = self.schedule()
+        self.file = open(path, 'w', encoding='utf-8', newline='')
 
     def schedule(self):
         """[(simulated s, kind)]: every kind at least once, in equal parts of the run, anywhere within its part."""
@@ -97,6 +99,8 @@ class SoakRun:
             if listener.poll() is None:
                 listener.kill()
                 listener.wait()
+        self.simulated = self.simulated or self.robot.simulated
+        self.file.close()
         stop(self.master)
 
     # --- what is done to it ---
@@ -215,14 +219,20 @@ class SoakRun:
         if any('last good state' in warning for warning in status.warnings):
             self.stops += 1
             self.sim.reset()
-        self.samples.append({
+        sample = {
             'wall_s': round(now - self.began, 2), 'simulated_s': round(robot.simulated, 2), 'time_s': round(status.time, 2),
             'memory_MiB': round(resident(self.node.pid), 3), 'descriptors': descriptors(self.node.pid),
             'real_time_factor': round(status.real_time_factor, 1), 'repeated_steps': robot.repeated,
             'energy_created_J': robot.created, 'kinetic_J': status.kinetic_energy, 'elastic_J': status.elastic_energy,
             'potential_J': status.potential_energy, 'max_strain': status.max_strain, 'residual_m_s2': status.residual,
             'max_penetration_m': status.max_penetration, 'iterations': status.iterations, 'grasps': len(robot.grasps),
-            'warnings': len(status.warnings), 'rounds': robot.done.get('rounds', 0)})
+            'warnings': len(status.warnings), 'rounds': robot.done.get('rounds', 0)}
+        writer = csv.DictWriter(self.file, list(sample))
+        if not self.samples:
+            writer.writeheader()
+        writer.writerow(sample)
+        self.file.flush()
+        self.samples.append(sample)
 
     def findings(self):
         robot = self.robot
