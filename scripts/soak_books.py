@@ -1,6 +1,8 @@
 """What can be reckoned from outside about a sheet: its books of mass, momentum and energy, its edges, whether it crosses itself."""
 import math
 
+FLAT = 1e-12  # m^3: a nanometre over a triangle of a few centimetres
+
 
 def sub(a, b):
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
@@ -79,12 +81,14 @@ class Sheet:
 
 
 def intersect(a, b, p, q, r):
-    """Whether the segment a b passes through the triangle p q r."""
-    def side(u, v, w, x):
-        return dot(cross(sub(v, u), sub(w, u)), sub(x, u)) > 0.0
-    if side(p, q, r, a) == side(p, q, r, b):
+    """Whether the segment a b passes through the triangle p q r; not when an end lies in its plane."""
+    def volume(u, v, w, x):
+        return dot(cross(sub(v, u), sub(w, u)), sub(x, u))
+    below, above = sorted((volume(p, q, r, a), volume(p, q, r, b)))
+    if below > -FLAT or above < FLAT:
         return False
-    return side(a, b, p, q) == side(a, b, q, r) == side(a, b, r, p)
+    sides = [volume(a, b, *corners) > 0.0 for corners in ((p, q), (q, r), (r, p))]
+    return sides[0] == sides[1] == sides[2]
 
 
 def slope(times, values):

@@ -10,7 +10,7 @@ import unittest
 import roslib.packages
 import rostest
 
-HOURS = '0.05'
+HOURS = '0.1'
 
 
 class Soak(unittest.TestCase):
