@@ -19,7 +19,7 @@ namespace {
 constexpr int kMaxWidenings = 4;
 
 void check_settings(const WorldSettings& s) {
-  if (!std::isfinite(s.dt) || s.dt <= 0.0 || s.dt > 1.0) throw InputError("dt must be > 0 and at most 1 s");
+  if (!(s.dt >= kLeastStep && s.dt <= kLongestStep)) throw InputError("dt must be 1e-9 ... 2 s");
   if (s.parts < 1 || s.parts > kMaxParts) throw InputError("parts must be 1 ... " + std::to_string(kMaxParts));
   if (!std::isfinite(s.grasp_max_speed) || s.grasp_max_speed <= 0.0)
     throw InputError("grasp_max_speed must be > 0 m/s");
@@ -125,6 +125,7 @@ void World::Parts::start() {
   safe_until = 0.0;
   max_penetration = 0.0;
   book.forget();
+  controller = nullptr;
   set_control(settings.control);
   limits_met = true;
   if (meetings) meetings->forget();
@@ -141,7 +142,13 @@ void World::Parts::start() {
 void World::Parts::set_control(const StepControlSettings& control) {
   for (const double number : {control.error, control.budget, control.floor})
     if (!std::isfinite(number) || number <= 0.0) throw InputError("error, budget and floor of a control must be > 0");
-  controller = control.control == StepControl::kFixed ? nullptr : std::make_unique<StepController>(control);
+  if (control.control == StepControl::kFixed) {
+    controller = nullptr;
+  } else if (controller) {
+    controller->set(control);
+  } else {
+    controller = std::make_unique<StepController>(control);
+  }
 }
 
 void World::Parts::held_nodes_changed() {

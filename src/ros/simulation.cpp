@@ -14,7 +14,10 @@ namespace {
 constexpr double kDeadline = 5.0;        // s (wall) until a request that nobody gets to is taken back
 constexpr double kIdleWait = 0.1;        // s: how soon a newcomer sees a paused world
 constexpr double kUnshownWait = 0.005;   // s
-constexpr double kBudgetWhenLate = 0.8;  // CPU s per simulated s
+constexpr double kBudgetWhenLate = 0.8;  // CPU s per simulated s, at most
+constexpr double kLeastBudget = 0.01;
+constexpr double kLeastPart = 0.5;       // of the budget, that is left of it a second later
+constexpr double kBudgetRegained = 1.1;  // in a second in which real time was held
 constexpr double kToleratedLoss = 0.02;  // of simulated time, before real time counts as not held
 
 double seconds_since(SpeedMeter::Clock::time_point begin) {
@@ -281,6 +284,7 @@ void Simulation::watch_speed(double cost, SpeedMeter::Clock::time_point began) {
   behind_ = parameters_.clock == ClockMode::kRealTime && lost > kToleratedLoss;
   if (!behind_) {
     warnings_->clear("behind");
+    if (gives_way_ && budget_ < kBudgetWhenLate) hold_budget(kBudgetRegained * budget_);
     return;
   }
   std::ostringstream text;
@@ -300,15 +304,22 @@ void Simulation::give_way(std::ostream* text) {
     speed_.pause();
     *text << "; paused, as when_late says: ~pause goes on";
   } else if (parameters_.when_late == LatePolicy::kLessAccurate) {
-    StepControlSettings control;
-    control.control = StepControl::kBudget;
-    control.error = std::min(scene_.spec.step.error, parameters_.accuracy_floor);
-    control.budget = kBudgetWhenLate;
-    control.floor = parameters_.accuracy_floor;
-    if (!gives_way_) scene_.world->set_control(control);
+    // Others may take the rest of the core: what is measured to be too much is less than kBudgetWhenLate then.
+    hold_budget(gives_way_ ? std::clamp(speed_.factor(), kLeastPart, 1.0) * budget_ : kBudgetWhenLate);
     gives_way_ = true;
-    *text << "; accuracy gives way, up to an error of " << 100.0 * control.floor << " % a second, then time";
+    *text << "; accuracy gives way, up to an error of " << 100.0 * parameters_.accuracy_floor
+          << " % a second, for a budget of " << budget_ << " CPU s per simulated s, then time";
   }
+}
+
+void Simulation::hold_budget(double budget) {
+  budget_ = std::clamp(budget, kLeastBudget, kBudgetWhenLate);
+  StepControlSettings control;
+  control.control = StepControl::kBudget;
+  control.error = std::min(scene_.spec.step.error, parameters_.accuracy_floor);
+  control.budget = budget_;
+  control.floor = parameters_.accuracy_floor;
+  scene_.world->set_control(control);
 }
 
 Reply Simulation::all_now(const std::vector<Command>& commands) {

@@ -15,13 +15,14 @@ from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerU
 
 from deformable_sim.msg import BodyState, GraspCommand, Obstacle, SimStatus, Status
 from deformable_sim.srv import (AddObstacle, GetDistance, GetState, Grasp, LetThrough, LoadScene, MoveGrasp, Release,
-                                RemoveObstacle, SetState, Step)
+                                RemoveObstacle, RestoreState, SaveState, SetState, Step)
 from hostile_messages import Hostile, garbage_class
 from support import Listener, Simulation, wait_until
 
 SERVICES = {'grasp': Grasp, 'move_grasp': MoveGrasp, 'release': Release, 'pause': SetBool, 'reset': Trigger, 'describe': Trigger,
             'step': Step, 'load_scene': LoadScene, 'add_obstacle': AddObstacle, 'remove_obstacle': RemoveObstacle,
-            'let_through': LetThrough, 'get_distance': GetDistance, 'get_state': GetState, 'set_state': SetState}
+            'let_through': LetThrough, 'get_distance': GetDistance, 'get_state': GetState, 'set_state': SetState,
+            'save_state': SaveState, 'restore_state': RestoreState}
 TOPICS = {'~grasp_command': GraspCommand, '~obstacle': Obstacle, '~grasp/hand/target': PoseStamped,
           '~grasp/pin_sheet_corner_2/target': PoseStamped, '/tf': TFMessage, '/tf_static': TFMessage,
           '~interactive_markers/feedback': InteractiveMarkerFeedback}

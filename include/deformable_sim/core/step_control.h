@@ -37,6 +37,8 @@ class StepController {
   static constexpr int kMostParts = 64;
 
   explicit StepController(const StepControlSettings& settings) : settings_(settings) {}
+  /// From now on, from the parts that steps are taken in.
+  void set(const StepControlSettings& settings) { settings_ = settings; }
 
   /// Parts of the next step.
   int parts() const { return parts_; }

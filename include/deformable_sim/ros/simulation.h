@@ -93,6 +93,7 @@ class Simulation {
   void end_steps(const Status& status);
   void watch_speed(double cost, SpeedMeter::Clock::time_point began);
   void give_way(std::ostream* text);
+  void hold_budget(double budget);
   std::string description() const;
   Instant run_state() const;
 
@@ -113,6 +114,7 @@ class Simulation {
   std::string failure_;
   bool behind_ = false;
   bool gives_way_ = false;  // accuracy does, since the world was begun
+  double budget_ = 0.0;     // CPU s per simulated s; then
   double given_up_before_ = 0.0;
   std::uint64_t version_ = 0;
   std::shared_ptr<StepRun> steps_;
