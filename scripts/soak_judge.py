@@ -21,6 +21,7 @@ STRAIN = 0.6
 LENGTH = 1e-6          # m, of edges and height of the towel at rest, at the end against the beginning
 SPEED = 1e-3           # m/s, at rest
 REGISTRATION = 10.0    # s (wall): two looks for a master, and what a busy machine takes
+LOST = 5.0             # s (wall), likewise
 WEIGHT = TOLERANCE / 9.81
 
 
@@ -78,6 +79,7 @@ def verdicts(found, samples):
     rows += rest_verdicts(found['rests'], found['mass'])
     rows.append(Verdict('rounds of the robot', str(found['rounds']), '>= 1', found['rounds'] >= 1))
     rows.append(bounded('known again to a new master after', found['slowest_registration'], REGISTRATION, 's'))
+    rows.append(bounded('hand not seen though tf tells it', found['lost'], LOST, 's'))
     rows.append(Verdict('disturbances not made', ', '.join(found['missed']) or 'none', 'none', not found['missed']))
     rows.append(Verdict('robot', ', '.join(found['robot_errors']) or 'nothing', 'nothing', not found['robot_errors']))
     return rows

@@ -41,7 +41,7 @@ class Robot:
         self.status, self.simulated, self.jumps, self.warned = None, 0.0, 0, {}
         self.created, self.repeated, self.lowest_factor = 0.0, 0, float('inf')
         self.most_strain = self.deepest = 0.0
-        self.broadcasts = True
+        self.broadcasts, self.lost_since, self.longest_lost = True, None, 0.0
         self.quiet = threading.Lock()   # who holds it has the towel to itself
         self.path = (0.0, 0.0, (0.0, 0.0, 1.0), (0.0, 0.0, 1.0))  # from when to when (simulated s), from where to where
         self.done = {}
@@ -71,9 +71,18 @@ class Robot:
                 self.simulated += message.time - before.time
                 self.created += message.energy_created - before.energy_created
                 self.repeated += message.repeated_steps - before.repeated_steps
+            self.note_lost_hand(message)
             self.news.notify_all()
         if self.broadcasts:
             self.broadcast(message.time)
+
+    def note_lost_hand(self, message):
+        """How long (s, wall) the node does not see the hand though it is told where it is."""
+        if not self.broadcasts or message.paused or not any('stopped arriving' in w for w in message.warnings):
+            self.lost_since = None
+            return
+        self.lost_since = self.lost_since or time.monotonic()
+        self.longest_lost = max(self.longest_lost, time.monotonic() - self.lost_since)
 
     def on_grasps(self, message):
         self.grasps = message.grasps

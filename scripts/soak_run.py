@@ -14,6 +14,7 @@ import yaml
 
 from own_node import DEADLINE, NODE, descriptors, resident, start_master, stop
 from soak_books import Sheet
+from soak_judge import DESCRIPTORS
 from soak_robot import BODY, Robot
 from support import Listener, Simulation, Status, wait_until
 from deformable_sim.msg import BodyMesh, ContactArray
@@ -88,7 +89,7 @@ class SoakRun:
     def least_descriptors(self):
         """Connections end some time after those at their other ends."""
         end = time.monotonic() + GIVE_BACK
-        while descriptors(self.node.pid) > self.quiet[0][1] and time.monotonic() < end:
+        while descriptors(self.node.pid) > self.quiet[0][1] + DESCRIPTORS and time.monotonic() < end:
             time.sleep(0.1)
         return descriptors(self.node.pid)
 
@@ -239,7 +240,7 @@ class SoakRun:
         return {'rests': self.rests, 'masses': self.masses, 'mass': sum(self.sheet.mass), 'crossings': self.crossings,
                 'unlike': self.unlike, 'stops': self.stops, 'flights': robot.flights, 'created': robot.created,
                 'strain': robot.most_strain, 'quiet': self.quiet, 'rounds': robot.done.get('rounds', 0),
-                'slowest_registration': self.slowest_registration,
+                'slowest_registration': self.slowest_registration, 'lost': robot.longest_lost,
                 'missed': [kind for _, kind in self.plan],
                 'robot_errors': [what for what in robot.done if what.startswith('robot: ')]}
 

@@ -64,7 +64,7 @@ def findings(**changes):
     rest = {'height': 0.75, 'speed': 0.0, 'carried': 9.81, 'area': 0.1, 'lengths': [0.1, 0.2], 'mass': 1.0, 'crossings': 0}
     found = {'rests': [rest, dict(rest)], 'masses': [1.0], 'mass': 1.0, 'crossings': [0], 'unlike': [False], 'stops': 0,
              'flights': [(1e-3, -0.1)], 'created': 0.0, 'strain': 0.1, 'quiet': [(40.0, 15), (41.0, 17)], 'rounds': 10,
-             'slowest_registration': 1.0, 'missed': [], 'robot_errors': []}
+             'slowest_registration': 1.0, 'lost': 0.1, 'missed': [], 'robot_errors': []}
     found.update(changes)
     return found
 
@@ -84,7 +84,7 @@ class Judge(unittest.TestCase):
                              ({'unlike': [False, True]}, 'resets'), ({'stops': 1}, 'stops'), ({'flights': [(0.1, -0.1)]}, 'momentum'),
                              ({'flights': [(0.0, 0.1)]}, 'energy won'), ({'created': 2.0}, 'energy created'),
                              ({'strain': 0.7}, 'strain'), ({'quiet': [(40.0, 15), (40.0, 25)]}, 'descriptors'),
-                             ({'rounds': 0}, 'rounds'), ({'slowest_registration': 30.0}, 'known again'),
+                             ({'rounds': 0}, 'rounds'), ({'slowest_registration': 30.0}, 'known again'), ({'lost': 60.0}, 'hand'),
                              ({'missed': ['reset']}, 'disturbances'), ({'robot_errors': ['robot: KeyError']}, 'robot'),
                              ({'rests': [rest, dict(rest, lengths=[0.1, 0.2001])]}, 'edges'),
                              ({'rests': [rest, dict(rest, height=0.751)]}, 'height'),
