@@ -96,10 +96,12 @@ class Judge(unittest.TestCase):
                 self.assertIn(word, failed[0])
 
     def test_a_leak_fails_and_a_rise_while_it_settles_does_not(self):
-        leaking = [sample(s, 40.0 + 0.01 * s) for s in range(600)]
-        self.assertIn('memory', self.failed(findings(), leaking)[0])
-        settling = [sample(s, 40.0 + min(5.0, 0.1 * s)) for s in range(600)]
+        leaking = [sample(s, 40.0 + 0.005 * s) for s in range(600)]
+        self.assertEqual(['memory, creep in 6.65 h'], self.failed(findings(), leaking))
+        settling = [sample(s, 40.0 + min(5.0, 0.1 * s) + (2.0 if s > 300 else 0.0)) for s in range(600)]
         self.assertEqual(self.failed(findings(), settling), [])
+        piling = [sample(s, 40.0 + 2.0 * (s // 60)) for s in range(600)]
+        self.assertEqual(['memory, growth in all'], self.failed(findings(), piling))
 
     def test_a_number_that_is_not_finite_fails(self):
         self.assertIn('not finite', self.failed(findings(), self.steady + [sample(600, 40.0, float('nan'))])[0])
