@@ -6,7 +6,7 @@ target_link_libraries(ros_tests PRIVATE ${PROJECT_NAME}_ros GTest::gtest GTest::
 add_test(NAME ros COMMAND ros_tests)
 
 find_package(rostest REQUIRED)
-foreach(name api clock fuzz gripper obstacles outputs process real_time robot services)
+foreach(name api clock fuzz gripper obstacles outputs process real_time robot services soak)
   add_rostest(test/ros/${name}.test DEPENDENCIES sim_node ${${PROJECT_NAME}_EXPORTED_TARGETS})
 endforeach()
 add_rostest(test/ros/robot_demo.test DEPENDENCIES robot_demo ${${PROJECT_NAME}_EXPORTED_TARGETS})
