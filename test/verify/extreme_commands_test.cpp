@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDt = 0.01;    // s
 constexpr double kJump = 0.05;  // m
-constexpr int kCells = 8;
+constexpr int kCells = 6;
 /// Its few iterations end long before a stiff sheet has turned as far as it should in a step: it comes to rest late.
 const char* const kCreeps = "projective_dynamics";
 
@@ -25,7 +25,7 @@ const char* const kCreeps = "projective_dynamics";
 std::string hanging(const std::string& integrator, const std::string& gravity = "-9.81") {
   return "gravity: [0, 0, " + gravity +
          "]\nair: {damping: 5}\nbodies:\n"
-         "  - cloth: {name: towel, size: [0.2, 0.2], cells: [8, 8], pose: {position: [0, 0, 0.5]},\n"
+         "  - cloth: {name: towel, size: [0.2, 0.2], cells: [6, 6], pose: {position: [0, 0, 0.5]},\n"
          "            pins: [edge_2], bending: quadratic,\n"
          "            material: {areal_density: 0.2, membrane_stiffness: 500, bending_rigidity: 1.0e-5,\n"
          "                       damping: 0.005}}\n"
@@ -58,10 +58,10 @@ INSTANTIATE_TEST_SUITE_P(Registry, ExtremeCommands, testing::ValuesIn(integrator
 
 TEST_P(ExtremeCommands, AGripperThatJumpsTakesTheClothAlong) {
   // F33: 5 cm away, in one step of 10 ms for it is allowed 1 km/s, with a corner of the towel in it. The corner is
-  // where the gripper is, to rounding. The edges of 25 mm beside it are longer by the jump at most, and no edge by
+  // where the gripper is, to rounding. The edges of 33 mm beside it are longer by the jump at most, and no edge by
   // more. Let go, the towel hangs as it did before, within 1 mm.
   const auto world = build(hanging(GetParam()));
-  ASSERT_NO_FATAL_FAILURE(run(world.get(), 4.0));
+  ASSERT_NO_FATAL_FAILURE(run(world.get(), 3.0));
   const Nodes before = world->state().x;
   GraspRequest corner = grasp_nodes("hand", "towel", {0});
   corner.max_speed = 1000.0;
@@ -76,7 +76,7 @@ TEST_P(ExtremeCommands, AGripperThatJumpsTakesTheClothAlong) {
   EXPECT_LT(largest_strain_, kJump / (0.2 / kCells));
   EXPECT_GT(largest_strain_, 0.2);
   ASSERT_TRUE(world->apply(command::Release{"hand"}).status.ok());
-  ASSERT_NO_FATAL_FAILURE(run(world.get(), 4.0));
+  ASSERT_NO_FATAL_FAILURE(run(world.get(), 3.0));
   if (GetParam() == kCreeps) return;
   check("F33", GetParam() + ", towel let go from where it hung before, m",
         (world->state().x - before).cwiseAbs().maxCoeff(), 0.0, 1e-3, Tolerance::kAbsolute);
@@ -119,7 +119,7 @@ TEST_P(ExtremeCommands, TwoSoftHandsOnANodeShareIt) {
   // balance, 8 mm from the first, on a body that pulls nowhere. Both report 3.2 N, against each other.
   const auto world = build(
       "gravity: [0, 0, 0]\nair: {damping: 20}\nbodies:\n"
-      "  - cloth: {name: towel, size: [0.2, 0.2], cells: [8, 8], bending: quadratic,\n"
+      "  - cloth: {name: towel, size: [0.2, 0.2], cells: [4, 4], bending: quadratic,\n"
       "            material: {areal_density: 0.2, membrane_stiffness: 500, bending_rigidity: 1.0e-5}}\n"
       "step: {solver: manual, dt: 0.01, tolerance: 1.0e-7, linear_tolerance: 1.0e-4, newton_iterations: 30, "
       "integrator: " +
@@ -131,7 +131,7 @@ TEST_P(ExtremeCommands, TwoSoftHandsOnANodeShareIt) {
     ASSERT_TRUE(world->apply(command::Grasp{hand}).status.ok());
   }
   ASSERT_TRUE(world->apply(command::MoveGrasp{"second", at(from.x(), from.y() + 0.04, from.z()), 0.2}).status.ok());
-  ASSERT_NO_FATAL_FAILURE(run(world.get(), 4.0));
+  ASSERT_NO_FATAL_FAILURE(run(world.get(), 2.5));
   const Snapshot now = world->snapshot();
   check("F34", GetParam() + ", node in two soft hands, from the first, m", now.x(1, 0) - from.y(), 0.008, 0.01);
   check("F34", GetParam() + ", force on the first of two soft hands, N", now.grasps[0].force.y(), 3.2, 0.01);
@@ -145,9 +145,9 @@ TEST_P(ExtremeCommands, GravityThatTurnsOverEndsInTheMirrorImage) {
   const auto below = build(hanging(GetParam())), above = build(hanging(GetParam(), "9.81"));
   ASSERT_NO_FATAL_FAILURE(run(below.get(), 0.5));
   ASSERT_TRUE(above->apply(command::SetBodyState{"towel", below->state().x, below->state().v}).status.ok());
-  ASSERT_NO_FATAL_FAILURE(run(below.get(), 4.0));
+  ASSERT_NO_FATAL_FAILURE(run(below.get(), 3.0));
   most_kinetic_ = 0.0;
-  ASSERT_NO_FATAL_FAILURE(run(above.get(), 4.0));
+  ASSERT_NO_FATAL_FAILURE(run(above.get(), 3.5));
   EXPECT_LT(most_kinetic_, 9.81 * above->model().mass.sum() * 0.2);
   if (GetParam() == kCreeps) return;
   Nodes mirrored = above->state().x;
