@@ -42,6 +42,8 @@ StepReport ImplicitStage::solve(const StageEquation& equation, const State& star
   StepReport report;
   lap_ = thread_cpu_time();
   begin(equation, start, d);
+  if (is_unresolved(tau_, start, d)) return solve_for_velocities();
+  matrix_.renew(d, tau_);
   report.residual = full_steps_ ? start_full_steps() : start_iteration();
   report.seconds_assembly = lap();
   const double enough = settings_.tolerance;
@@ -108,7 +110,6 @@ void ImplicitStage::begin(const StageEquation& equation, const State& start, con
   }
   step_.setZero(3, n);
   other_.resize(3, n);
-  matrix_.renew(d, tau_);
   contacts_.begin(equation.contact_span(), start.x, trial_.x, inverse_mass_, d.contacts);
   full_steps_ = settings_.jacobian == Jacobian::kLagged && !linearised_ && d.contacts.empty();
   if (full_steps_) trial_.x_before = start.x;
