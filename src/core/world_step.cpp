@@ -114,7 +114,8 @@ bool World::Parts::is_poor(int refinement) const {
   return refinement == 0 && integrator->needs().jacobian && !report.converged && report.residual > kGrossResidual;
 }
 
-/// From the last good state: a step in `substeps` parts, or more. False when there is none.
+/// From the last good state: a step in `substeps` parts, or more. False when there is none. Where bodies meet, a large
+/// residual is no sign of divergence, but one that is left over by a step that makes energy is.
 bool World::Parts::step_in_parts() {
   refinements = 0;
   bool ok = try_step(substeps);
@@ -130,7 +131,7 @@ bool World::Parts::step_in_parts() {
     ++refinements;
     ok = try_step(substeps);
   }
-  return ok;
+  return ok && !(meetings && makes_energy && !report.converged);
 }
 
 /// The same step in parts and in twice as many, whose state is taken: what they differ by is what the first had wrong.
