@@ -151,7 +151,8 @@ Outcome run_case(const std::string& text, const std::string& origin, const Limit
     if (limits.begins) {
       const std::string& name = world->settings().integrator;
       const double limit = make_integrator(name, world->settings().solver)->stability_limit();
-      limits.begins(name, scene.step.mode == SolverMode::kManual && std::isfinite(limit));
+      const bool divides = std::isfinite(limit) || name == "substepped_verlet";
+      limits.begins(name, scene.step.mode == SolverMode::kManual && divides);
     }
     Life life(scene, commands, limits, world.get());
     life.live();
