@@ -37,12 +37,14 @@ class Watch {
   Finding look_at_numbers(const World& world, const Snapshot& now) const;
   Finding look_at_energy(const World& world, const Snapshot& now);
   Finding look_at_depth(const World& world, const Snapshot& now);
+  Finding look_at_crossing(const World& world, const Snapshot& now);
   bool has_moved(const Snapshot& now);
 
   bool explicit_;
   bool passive_;  // energy can only fall while nothing moves
   bool quiet_ = false;
   double next_look_ = 0.0;                      // s
+  double next_crossing_look_ = 0.0;             // s
   double least_ = 0.0, scale_ = 0.0, top_ = 0;  // J: of the quiet time so far
   std::vector<Pose> poses_;
   std::ptrdiff_t slipped_ = 0;  // grasps
