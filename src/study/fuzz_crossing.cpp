@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace deformable_sim::fuzz {
 namespace {
+
+constexpr double kInPlane = 1e-9;  // m: an edge that ends nearer to the plane of a triangle lies in it
 
 template <size_t N>
 struct Part {
@@ -39,7 +42,9 @@ bool cross(const Part<2>& edge, const Part<3>& triangle, const Nodes& x) {
   };
   const auto [p, q] = edge.node;
   const auto [a, b, c] = triangle.node;
-  if (volume(a, b, c, p) * volume(a, b, c, q) >= 0.0) return false;
+  const double above = volume(a, b, c, p), below = volume(a, b, c, q);
+  const double area = (x.col(b) - x.col(a)).cross(x.col(c) - x.col(a)).norm();  // twice
+  if (above * below >= 0.0 || std::min(std::abs(above), std::abs(below)) < kInPlane * area) return false;
   const double ab = volume(p, q, a, b), bc = volume(p, q, b, c), ca = volume(p, q, c, a);
   return (ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0);
 }

@@ -16,6 +16,7 @@ constexpr double kLookEvery = 0.02;            // s, simulated
 constexpr double kLookForCrossingEvery = 0.1;  // s, simulated: it looks at every pair
 constexpr double kSlack = 1e-9;                // s
 constexpr double kGrowth = 0.5;
+constexpr double kStill = 1e-4;  // m/s: the energy of all bodies at this speed is rounding at rest
 constexpr double kHidden = 1e-5;  // m
 
 template <class... Values>
@@ -193,7 +194,8 @@ Finding Watch::look_at_energy(const World& world, const Snapshot& now) {
     potential += r.potential_energy;
   }
   const Vec3 span = now.x.rowwise().maxCoeff() - now.x.rowwise().minCoeff();
-  const double weight = world.model().mass.head(world.model().point_count()).sum() * world.model().gravity.norm();
+  const double mass = world.model().mass.head(world.model().point_count()).sum();
+  const double weight = mass * world.model().gravity.norm();
   const double energy = kinetic + elastic + potential;
   if (!quiet_ || energy < least_) {
     least_ = energy;
@@ -205,7 +207,8 @@ Finding Watch::look_at_energy(const World& world, const Snapshot& now) {
   // A stiff body gets much elastic energy from errors of position that are nothing to speak of: of implicit schemes
   // only what has become motion counts.
   const double found = explicit_ ? energy : kinetic + potential;
-  const double allowed = kGrowth * (scale_ + std::max(0.0, top_ - potential));
+  const double rounding = 0.5 * mass * kStill * kStill;
+  const double allowed = kGrowth * (scale_ + std::max(0.0, top_ - potential)) + rounding;
   if (found - least_ <= allowed) return {};
   return {"energy", sentence("%.3g J more than at the least, %.3g J allowed; kinetic %.3g, elastic %.3g, %s at %.4g s",
                              found - least_, allowed, kinetic, elastic, now.integrator.c_str(), now.time)};

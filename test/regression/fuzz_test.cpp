@@ -272,6 +272,18 @@ TEST(FuzzWatch, SeesBodiesThatWentThroughOneAnother) {
   EXPECT_EQ(find_crossing(*model, x, held), "");
 }
 
+TEST(FuzzWatch, TakesNoRoundingOfAFlatSheetForACrossing) {
+  // After a step, 1e-20 m from their plane, edges lie on both sides of triangles that they are beside.
+  Limits limits;
+  limits.steps = 1;
+  const Outcome o = run_case(
+      "bodies: [{cloth: {name: a, size: [1, 0.002], pose: {rpy: [0, 0, 1]}, touches: all}}]\n"
+      "step: {newton_iterations: 1}\n",
+      "a.yaml", limits);
+  EXPECT_EQ(o.what, "") << o.detail;
+  EXPECT_EQ(o.steps, 1);
+}
+
 TEST(FuzzedScenes, StandTheirSecond) {
   // Solvers that the program chose may stop in some of them (doc/reliability.md); all else would be a failure.
   const std::string dir = mesh_folder();
