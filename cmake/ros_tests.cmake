@@ -6,7 +6,7 @@ target_link_libraries(ros_tests PRIVATE ${PROJECT_NAME}_ros GTest::gtest GTest::
 add_test(NAME ros COMMAND ros_tests)
 
 find_package(rostest REQUIRED)
-foreach(name api clock fuzz gripper obstacles outputs process real_time robot services soak)
-  add_rostest(test/ros/${name}.test DEPENDENCIES sim_node ${${PROJECT_NAME}_EXPORTED_TARGETS})
+file(GLOB ros_test_files CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} test/ros/*.test)
+foreach(file ${ros_test_files})
+  add_rostest(${file} DEPENDENCIES sim_node simulate robot_demo ${${PROJECT_NAME}_EXPORTED_TARGETS})
 endforeach()
-add_rostest(test/ros/robot_demo.test DEPENDENCIES robot_demo ${${PROJECT_NAME}_EXPORTED_TARGETS})
