@@ -16,7 +16,7 @@ constexpr double kLookEvery = 0.02;            // s, simulated
 constexpr double kLookForCrossingEvery = 0.1;  // s, simulated: it looks at every pair
 constexpr double kSlack = 1e-9;                // s
 constexpr double kGrowth = 0.5;
-constexpr double kStill = 1e-4;  // m/s: the energy of all bodies at this speed is rounding at rest
+constexpr double kStill = 1e-4;   // m/s: with less motion energy is rounding
 constexpr double kHidden = 1e-5;  // m
 
 template <class... Values>
