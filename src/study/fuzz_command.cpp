@@ -23,8 +23,8 @@
 namespace deformable_sim::fuzz {
 
 const char kUsage[] =
-    "usage: study fuzz [--scenes N] [--first SEED] [--seconds T] [--budget S] [--out DIR] [--compare N] [--all]\n"
-    "                  [--quiet]\n"
+    "usage: study fuzz [--scenes N] [--first SEED] [--seconds T] [--budget S] [--out DIR] [--compare N] [--patient N]\n"
+    "                  [--all] [--quiet]\n"
     "       study fuzz --show SEED | --case FILE [--seconds T]\n"
     "\n"
     "Makes scenes at random, steps each in a process of its own, and watches every step.\n"
@@ -34,8 +34,9 @@ const char kUsage[] =
     "--seconds T    simulated time of each, s (default 1)\n"
     "--budget S     CPU time for all, s (default 600); a scene that takes more than 0.25 s is cut short\n"
     "--out DIR      writes cases.csv, summary.txt, and every failure cut down to a small scene there\n"
-    "--compare N    every N-th case is run again, after a reset and on two threads: the same bits (default 20, 0 "
-    "never)\n"
+    "--compare N    every N-th case is run again, after a reset, on two threads and from a state saved half way: the\n"
+    "               same bits (default 20, 0 never)\n"
+    "--patient N    every N-th case is cut short after 5 s instead (default 20, 0 never)\n"
     "--all          also cuts down what solvers that the scene names could not step\n"
     "--quiet        no progress\n"
     "--show SEED    prints the scene of a seed\n"
@@ -52,9 +53,10 @@ constexpr long kToEstimate = 20;   // scenes, the time that all will take
 constexpr long kKeepEvery = 100;   // scenes: what is known is written
 constexpr int kKept = 2;           // failures of one kind that are cut down
 constexpr double kReduced = 15.0;  // CPU s for each, at most
+constexpr double kPatience = 5.0;  // CPU s for a case, of some
 
 struct Arguments {
-  long scenes = 100, first = 1, compare = 20;
+  long scenes = 100, first = 1, compare = 20, patient = 20;
   double seconds = 1.0, budget = 600.0;
   std::string out, file;
   long show = -1;
@@ -91,6 +93,8 @@ Arguments read_arguments(const std::vector<std::string>& words) {
       a.first = whole(0, 1e12);
     } else if (word == "--compare") {
       a.compare = whole(0, 1e7);
+    } else if (word == "--patient") {
+      a.patient = whole(0, 1e7);
     } else if (word == "--seconds") {
       a.seconds = read_number(word, value(), 1e-3, 1e3);
     } else if (word == "--budget") {
@@ -182,7 +186,9 @@ class Campaign {
       const double each = k < kToEstimate ? a_.budget : spent / static_cast<double>(k);
       const double whole = std::min(a_.budget, each * static_cast<double>(a_.scenes));
       progress_.show("scene " + std::to_string(k + 1), spent, std::max(0.0, whole - spent));
-      one(static_cast<std::uint64_t>(a_.first + k), a_.compare > 0 && k % a_.compare == 0);
+      const bool compared = a_.compare > 0 && k % a_.compare == 0;
+      const bool patient = a_.patient > 0 && k % a_.patient == a_.patient / 2;  // others than are compared, mostly
+      one(static_cast<std::uint64_t>(a_.first + k), compared, patient);
       if (k % kKeepEvery == 0) keep();
     }
     std::cout << tally_.text() << std::flush;
@@ -197,18 +203,20 @@ class Campaign {
     write(folder_.file("summary.txt"), tally_.text());
   }
 
-  void one(std::uint64_t seed, bool compared) {
+  void one(std::uint64_t seed, bool compared, bool patient) {
     const Case c = make_case(seed);
+    Limits limits = limits_;
+    if (patient) limits.cpu = kPatience;
     const Depth depth = compared ? Depth::kCompared : Depth::kOnce;
     const std::string origin = folder_.file("seed_" + std::to_string(seed) + ".yaml");
-    const Outcome outcome = run_isolated(text_of(c), origin, limits_, depth);
-    tally_.add(seed, outcome, compared);
+    const Outcome outcome = run_isolated(text_of(c), origin, limits, depth);
+    tally_.add(seed, outcome, compared, patient);
     const bool stopped = outcome.end == Outcome::End::kStopped;
     if (outcome.end != Outcome::End::kFound && !stopped) return;
     const std::string kind = (stopped ? "stopped_" + outcome.integrator : outcome.what);
     if (!stopped) progress_.say("seed " + std::to_string(seed) + ": " + outcome.what + ": " + outcome.detail);
     if (a_.out.empty() || (stopped && !a_.all) || ++kept_[kind] > kKept) return;
-    write(folder_.file(kind + "_" + std::to_string(seed) + ".yaml"), reduced(c, outcome, origin, limits_, depth));
+    write(folder_.file(kind + "_" + std::to_string(seed) + ".yaml"), reduced(c, outcome, origin, limits, depth));
   }
 
   const Arguments& a_;

@@ -30,8 +30,8 @@ std::string line(const char* form, Values... values) {
 
 }  // namespace
 
-void Tally::add(std::uint64_t seed, const Outcome& outcome, bool compared) {
-  entries_.push_back({seed, outcome, compared});
+void Tally::add(std::uint64_t seed, const Outcome& outcome, bool compared, bool patient) {
+  entries_.push_back({seed, outcome, compared, patient});
 }
 
 int Tally::failures() const {
@@ -44,7 +44,7 @@ std::string Tally::text() const {
   std::map<std::string, int> kinds, schemes, stops;
   double time = 0.0, cut_time = 0.0, cpu = 0.0;
   long steps = 0;
-  int compared = 0;
+  int compared = 0, patient = 0, patient_cut = 0;
   for (const Entry& e : entries_) {
     const Outcome& o = e.outcome;
     ++ends[o.end];
@@ -56,6 +56,8 @@ std::string Tally::text() const {
     steps += o.steps;
     cpu += o.cpu;
     compared += e.compared ? 1 : 0;
+    patient += e.patient ? 1 : 0;
+    patient_cut += e.patient && o.end == Outcome::End::kCut ? 1 : 0;
   }
   const auto count = [&ends](Outcome::End end) { return ends.count(end) ? ends.at(end) : 0; };
   std::string text = line("scenes    %d, %.0f s simulated in %ld steps, %.0f s CPU; %d compared in their bits\n",
@@ -63,6 +65,7 @@ std::string Tally::text() const {
   text += line("done      %d\n", count(Outcome::End::kDone));
   text += line("cut       %d, too slow: %.2f s simulated in the mean\n", count(Outcome::End::kCut),
                cut_time / std::max(1, count(Outcome::End::kCut)));
+  if (patient > 0) text += line("patient   %d were given more time, of which %d were cut\n", patient, patient_cut);
   text += line("refused   %d by the loader\n", count(Outcome::End::kRefused));
   text += line("stopped   %d by solvers that the scene names:", count(Outcome::End::kStopped));
   for (const auto& [name, n] : stops) text += line(" %s %d of %d,", name.c_str(), n, schemes[name]);
@@ -84,7 +87,7 @@ std::string Tally::csv() const {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text << "seed,end,what,integrator,time,steps,cpu,refused_commands,detail\n";
-  for (const auto& [seed, o, compared] : entries_) {
+  for (const auto& [seed, o, compared, patient] : entries_) {
     text << seed << ',' << name_of(o.end) << ',' << o.what << ',' << o.integrator << ',' << o.time << ',' << o.steps
          << ',' << o.cpu << ',' << o.refused_commands << ',' << quoted(o.detail) << '\n';
   }

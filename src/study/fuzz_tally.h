@@ -11,7 +11,8 @@ namespace deformable_sim::fuzz {
 
 class Tally {
  public:
-  void add(std::uint64_t seed, const Outcome& outcome, bool compared);
+  /// compared: in its bits; patient: given more time before it was cut.
+  void add(std::uint64_t seed, const Outcome& outcome, bool compared, bool patient);
   int failures() const;
   /// A table of ends, failures by their word, and stops by integrator.
   std::string text() const;
@@ -22,7 +23,7 @@ class Tally {
   struct Entry {
     std::uint64_t seed;
     Outcome outcome;
-    bool compared;
+    bool compared, patient;
   };
   std::vector<Entry> entries_;
 };
