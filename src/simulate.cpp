@@ -163,7 +163,8 @@ class Run {
   /// Until the end, a failure or an interrupt.
   void go() {
     const double dt = world_->settings().dt;
-    const double count = std::ceil(arguments_.seconds / dt - 1e-9);
+    // A quotient of the two is a whole number up to rounding, which grows with it.
+    const double count = std::ceil(arguments_.seconds / dt * (1.0 - 1e-12));
     watch();
     for (double k = 0; k < count && !g_interrupted; ++k) {
       if (!play_script()) break;

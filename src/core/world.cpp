@@ -19,7 +19,7 @@ namespace {
 constexpr int kMaxWidenings = 4;
 
 void check_settings(const WorldSettings& s) {
-  if (!std::isfinite(s.dt) || s.dt <= 0.0 || s.dt > 1.0) throw InputError("dt must be > 0 and at most 1 s");
+  if (!(s.dt >= kLeastStep && s.dt <= kLongestStep)) throw InputError("dt must be 1e-9 ... 2 s");
   if (s.parts < 1 || s.parts > kMaxParts) throw InputError("parts must be 1 ... " + std::to_string(kMaxParts));
   if (!std::isfinite(s.grasp_max_speed) || s.grasp_max_speed <= 0.0)
     throw InputError("grasp_max_speed must be > 0 m/s");

@@ -38,7 +38,8 @@ void CommandTopics::update(const std::vector<std::string>& grasp_names) {
     auto targets = careful_subscription<geometry_msgs::PoseStamped>(
         "grasp/" + name + "/target", kTargetQueue,
         [this, name](const geometry_msgs::PoseStampedConstPtr& message) { target(name, *message); });
-    next[name] = nh_.subscribe(targets);
+    // By a handle of its own: a handle remembers all that were ever made by it, 120 bytes each.
+    next[name] = ros::NodeHandle(nh_).subscribe(targets);
   }
   targets_.swap(next);
 }

@@ -4,12 +4,11 @@
 #include <utility>
 
 #include <ros/init.h>
-#include <tf2/buffer_core.h>
 #include <tf2/exceptions.h>
-#include <tf2_ros/transform_listener.h>
 
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/ros/convert.h"
+#include "deformable_sim/ros/transforms.h"
 
 namespace deformable_sim {
 
@@ -22,11 +21,6 @@ constexpr auto kPoll = std::chrono::milliseconds(2);
 
 }  // namespace
 
-struct Frames::Listener {
-  tf2::BufferCore buffer;
-  tf2_ros::TransformListener listener{buffer};
-};
-
 Frames::Frames(std::string world_frame, double timeout) : world_frame_(std::move(world_frame)), timeout_(timeout) {}
 
 Frames::~Frames() = default;
@@ -34,7 +28,7 @@ Frames::~Frames() = default;
 void Frames::open() {
   const std::lock_guard<std::mutex> lock(opening_);
   if (listening_) return;
-  listener_ = std::make_unique<Listener>();
+  listener_ = std::make_unique<Transforms>();
   opened_at_ = Clock::now();
   listening_ = true;
 }
@@ -57,9 +51,9 @@ Pose Frames::resolve(const std::string& frame) {
 
 std::optional<FramePose> Frames::latest(const std::string& frame) const {
   if (!listening_) return std::nullopt;
-  if (!listener_->buffer.canTransform(world_frame_, frame, ros::Time(0))) return std::nullopt;
+  if (!listener_->buffer().canTransform(world_frame_, frame, ros::Time(0))) return std::nullopt;
   try {
-    const auto transform = listener_->buffer.lookupTransform(world_frame_, frame, ros::Time(0));
+    const auto transform = listener_->buffer().lookupTransform(world_frame_, frame, ros::Time(0));
     FramePose result;
     if (!to_pose(transform.transform, &result.world_from_frame)) return std::nullopt;
     result.stamp = transform.header.stamp;
@@ -70,7 +64,7 @@ std::optional<FramePose> Frames::latest(const std::string& frame) const {
 }
 
 void Frames::forget() {
-  if (listening_) listener_->buffer.clear();
+  if (listening_) listener_->forget();
 }
 
 }  // namespace deformable_sim

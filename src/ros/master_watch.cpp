@@ -82,8 +82,9 @@ void MasterWatch::check(const std::vector<std::string>& services) {
     lost_ = true;
     return;
   }
+  // Not lookupNode: a topic that was advertised since makes a new master know the node, and nothing else of it.
   XmlRpc::XmlRpcValue answer;
-  if (incomplete_ || !call("lookupNode", &answer, ros::this_node::getName())) {
+  if (incomplete_ || !call("lookupService", &answer, services.front())) {
     // A node that ends unregisters itself.
     if (ros::isShuttingDown()) return;
     incomplete_ = !register_again(services, service_uri_);

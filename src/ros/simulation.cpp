@@ -395,13 +395,13 @@ void Simulation::begin_world() {
   }
   scene_.script.restart();
   outputs_.use(scene_.publishers);
-  if (pacer_.stamp(0.0).isZero()) frames_->forget();
   follower_.begin(scene_.attached, scene_.world->grasp_reports());
   begin_time();
 }
 
 /// Simulated time has jumped to that of the world.
 void Simulation::begin_time() {
+  if (pacer_.stamp(0.0).isZero()) frames_->forget();
   failure_.clear();
   gives_way_ = false;
   warnings_->clear("behind");

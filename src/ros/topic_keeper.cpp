@@ -9,6 +9,8 @@ namespace deformable_sim {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr auto kWatchPeriod = std::chrono::seconds(2);
 
 }  // namespace
@@ -39,16 +41,18 @@ void TopicKeeper::stop() {
 
 void TopicKeeper::run() {
   MasterWatch watch;
+  auto next_check = Clock::now() + kWatchPeriod;
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stopping_) {
-    const bool woken = arrived_.wait_for(lock, kWatchPeriod, [this] { return stopping_ || task_; });
+    arrived_.wait_until(lock, next_check, [this] { return stopping_ || task_; });
     if (stopping_) return;
     const std::function<void()> task = std::exchange(task_, nullptr);
     lock.unlock();
-    if (woken) {
-      task();
-    } else {
+    if (task) task();
+    // Grasps that come and go all the time leave no pause to wait for.
+    if (Clock::now() >= next_check) {
       watch.check(services_);
+      next_check = Clock::now() + kWatchPeriod;
     }
     lock.lock();
   }

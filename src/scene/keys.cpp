@@ -121,10 +121,10 @@ Table<StepSpec> step_table() {
                        : word == "budget" ? StepControl::kBudget
                                           : StepControl::kFixed;
       });
-  t.add({"dt", "number", "s", "chosen (auto), 0.01 (manual)", between(1e-6, 0.1).text(),
+  t.add({"dt", "number", "s", "chosen (auto), 0.01 (manual)", between(kLeastStep, kLongestStep).text(),
          "One step of simulated time. auto divides one that is too long."},
         [](const YamlValue& v, const std::string& path, StepSpec* out) {
-          out->dt = read_number(v, path, between(1e-6, 0.1));
+          out->dt = read_number(v, path, between(kLeastStep, kLongestStep));
           out->dt_given = true;
         });
   t.choice("integrator", &StepSpec::integrator, integrator_names(), "Time scheme.");

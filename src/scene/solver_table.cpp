@@ -22,7 +22,7 @@ Table<SolverConfiguration> configuration_table() {
   t.integer("linear_iterations", &C::linear_iterations, 0, 100000, "");
   t.text("precision", &C::precision, "");
   t.number("fraction_of_limit", "", &C::fraction_of_limit, above(0, 0.95), "");
-  t.number("dt", "s", &C::dt, between(1e-6, 0.1), "").required();
+  t.number("dt", "s", &C::dt, between(kLeastStep, kLongestStep), "").required();
   return t;
 }
 

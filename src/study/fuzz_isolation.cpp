@@ -50,6 +50,10 @@ bool read(const std::string& text, Outcome* o) {
   return static_cast<bool>(fields);
 }
 
+void send(int to, const std::string& line) {
+  if (write(to, line.data(), line.size()) != static_cast<ssize_t>(line.size())) _exit(1);
+}
+
 [[noreturn]] void work(int to, const std::string& text, const std::string& origin, const Limits& limits, Depth depth) {
   const double runs = depth == Depth::kOnce ? 1.0 : kRuns;
   const auto most = static_cast<rlim_t>(std::ceil(kHang + runs * limits.cpu));
@@ -57,10 +61,13 @@ bool read(const std::string& text, Outcome* o) {
   setrlimit(RLIMIT_CPU, &cpu);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
-  const Outcome outcome = depth == Depth::kOnce ? run_case(text, origin, limits) : compare_case(text, origin, limits);
-  const std::string answer = text_of(outcome);
-  const bool written = write(to, answer.data(), answer.size()) == static_cast<ssize_t>(answer.size());
-  _exit(written ? 0 : 1);
+  Limits told = limits;
+  told.begins = [&](const std::string& integrator, bool any_cost) {
+    send(to, (any_cost ? "any " : "some ") + integrator + "\n");
+    if (limits.begins) limits.begins(integrator, any_cost);
+  };
+  send(to, text_of(depth == Depth::kOnce ? run_case(text, origin, told) : compare_case(text, origin, told)));
+  _exit(0);
 }
 
 std::string read_all(int from) {

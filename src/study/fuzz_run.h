@@ -16,9 +16,10 @@ namespace deformable_sim::fuzz {
 ///   far                 a node beyond 1e4 m within the second
 ///   energy              more energy than there was, with nothing that moves or blows; see Watch
 ///   hidden              a node is inside a collider by more than the snapshot's max_penetration says
+///   crossing            an edge goes through a triangle, of bodies that keep apart
 ///   moved_by_stop       a step that could not be made changed the state
 ///   dead_after_stop     ... or no step can be made after a reset
-///   reset, repeat, threads   other bits after a reset, in a second run, on two threads
+///   reset, repeat, threads, restore   other bits after a reset, in a second run, on two threads, after a restore
 ///   stop                a solver that was chosen by the program could not make a step
 ///
 /// A solver that the scene itself names may stop honestly: kStopped.

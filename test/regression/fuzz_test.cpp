@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "deformable_sim/core/integrator/integrator.h"
 #include "deformable_sim/scene/build.h"
 #include "deformable_sim/scene/load.h"
+#include "study/fuzz_crossing.h"
 #include "study/fuzz_reduce.h"
 #include "study/fuzz_run.h"
 #include "study/fuzz_scene.h"
@@ -225,16 +227,61 @@ TEST(FuzzWatch, SeesNodesThatAreFar) {
 }
 
 TEST(FuzzWatch, SeesNodesInsideAColliderThatNobodyReports) {
-  // Put there between two steps, which nothing has measured yet.
-  const SceneSpec spec = load_scene_text(
-      std::string(kRope) + "colliders: [{sphere: {name: ball, radius: 0.1, pose: {position: [9, 0, 0]}}}]\n", "a.yaml");
-  const std::unique_ptr<World> world = build_world(spec);
-  world->step();
-  EXPECT_EQ(Watch(spec, *world, Watch::Grasps::kRigid).look(*world).what, "");
-  Nodes x = world->state().x;
-  x.col(5) = Vec3(9.05, 0, 0);
-  world->apply(command::SetBodyState{"a", x, Nodes::Zero(3, x.cols())});
-  EXPECT_EQ(Watch(spec, *world, Watch::Grasps::kRigid).look(*world).what, "hidden");
+  // Put there between two steps, which nothing has measured yet: 5 cm beside the axis of something 10 cm wide there,
+  // whose side is upright, but of the cone as steep as it is wide.
+  const std::vector<std::pair<std::string, double>> depths{{"sphere: {radius: 0.1, ", 50.0},
+                                                           {"capsule: {radius: 0.1, length: 0.2, ", 50.0},
+                                                           {"cylinder: {radius: 0.1, length: 0.2, ", 50.0},
+                                                           {"cone: {radius: 0.2, length: 0.2, ", 50.0 / std::sqrt(2.0)},
+                                                           {"box: {size: [0.2, 0.2, 0.2], ", 50.0}};  // mm
+  for (const auto& [shape, depth] : depths) {
+    const SceneSpec spec = load_scene_text(
+        std::string(kRope) + "colliders: [{" + shape + "name: solid, pose: {position: [9, 0, 0]}}}]\n", "a.yaml");
+    const std::unique_ptr<World> world = build_world(spec);
+    world->step();
+    EXPECT_EQ(Watch(spec, *world, Watch::Grasps::kRigid).look(*world).what, "") << shape;
+    const auto put = [&](double place) {
+      Nodes x = world->state().x;
+      x.col(5) = Vec3(place, 0, 0);
+      world->apply(command::SetBodyState{"a", x, Nodes::Zero(3, x.cols())});
+      return Watch(spec, *world, Watch::Grasps::kRigid).look(*world);
+    };
+    const Finding inside = put(9.05);
+    EXPECT_EQ(inside.what, "hidden") << shape;
+    EXPECT_NEAR(std::atof(inside.detail.c_str()), depth, 0.1) << shape;  // told in three digits
+    EXPECT_EQ(put(9.101).what, "") << shape;
+  }
+}
+
+TEST(FuzzWatch, SeesBodiesThatWentThroughOneAnother) {
+  // A sheet on edge through one that lies: 5 cm above it, and down by 5 cm.
+  const std::string edge = "size: [0.1, 0.1], cells: [3, 3], touches: others, pose: {position: [0.003, 0.002, 0.1], ";
+  const SceneSpec scene = load_scene_text(
+      "bodies:\n  - cloth: {name: flat, size: [0.3, 0.3], cells: [4, 4], touches: others}\n  - cloth: {name: knife, " +
+          edge + "rpy: [1.5, 0, 0]}}\n  - cloth: {name: ghost, size: [0.3, 0.3], cells: [4, 4], pose: {position: " +
+          "[0, 0, 0.1]}}\n",
+      "a.yaml");
+  const std::shared_ptr<const Model> model = build_model(scene);
+  const Body& knife = model->bodies[1];
+  std::vector<char> held(static_cast<size_t>(model->node_count()), 0);
+  Nodes x = model->initial.x;
+  EXPECT_EQ(find_crossing(*model, x, held), "");  // the ghost feels nothing
+  x.middleCols(knife.first_node, knife.node_count).row(2).array() -= 0.1;
+  EXPECT_NE(find_crossing(*model, x, held), "");
+  held.assign(held.size(), 1);
+  EXPECT_EQ(find_crossing(*model, x, held), "");
+}
+
+TEST(FuzzWatch, TakesNoRoundingOfAFlatSheetForACrossing) {
+  // After a step, 1e-20 m from their plane, edges lie on both sides of triangles that they are beside.
+  Limits limits;
+  limits.steps = 1;
+  const Outcome o = run_case(
+      "bodies: [{cloth: {name: a, size: [1, 0.002], pose: {rpy: [0, 0, 1]}, touches: all}}]\n"
+      "step: {newton_iterations: 1}\n",
+      "a.yaml", limits);
+  EXPECT_EQ(o.what, "") << o.detail;
+  EXPECT_EQ(o.steps, 1);
 }
 
 TEST(FuzzedScenes, StandTheirSecond) {

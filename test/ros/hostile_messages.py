@@ -14,7 +14,7 @@ from visualization_msgs.msg import InteractiveMarkerFeedback
 
 from deformable_sim.msg import GraspCommand, GraspSelection, Obstacle, Octomap
 from deformable_sim.srv import (AddObstacle, GetDistance, GetState, Grasp, LetThrough, LoadScene, MoveGrasp, Release,
-                                RemoveObstacle, SetState, Step)
+                                RemoveObstacle, RestoreState, SaveState, SetState, Step)
 
 FLOATS = (0.0, -0.0, 1.0, -1.0, 0.01, 1e-9, 5e-324, 1e9, 1e30, 1e308, -1e308, float('inf'), float('-inf'), float('nan'))
 WORDS = ('', 'a', 'A_1', '1', 'sheet', 'line', 'nobody', 'hand', 'pin_sheet_corner_2', 'table', 'ball', 'robot.hand', 'world',
@@ -109,6 +109,10 @@ class Hostile:
             text = text[:at] + self.random.choice(SCENE_WORDS) + text[at + length:]
         return text
 
+    def saved(self, request):
+        name = self.random.choice(('a', 'b'))
+        return request(name=name) if self.random.random() < 0.7 else request(file=name)
+
     def transforms(self):
         message = TransformStamped(child_frame_id=self.random.choice(('tool', 'tool', 'loop_a', 'loop_b')))
         message.header.frame_id = self.random.choice(('world', 'loop_a', 'loop_b'))
@@ -132,6 +136,8 @@ class Hostile:
             GetDistance: lambda q: q(body=self.body(), obstacles=self.random.choice(([], ['table'], ['ball', 'a']))),
             GetState: lambda q: q(body=self.body()),
             SetState: lambda q: q(),
+            SaveState: lambda q: self.saved(q),
+            RestoreState: lambda q: self.saved(q),
         }
         return make[kind](kind._request_class)
 

@@ -179,16 +179,29 @@ class Processes(unittest.TestCase):
             status.wait(lambda m: not m.paused and not m.warnings, after=len(status.messages))
 
     def test_a_master_that_was_restarted_knows_the_node_again(self):
+        self.restart_the_master_of(self.scene)
+
+    def test_a_master_that_was_restarted_knows_a_node_whose_grasps_come_and_go(self):
+        # Each is a topic that is registered with whatever master there is, and leaves no second without news.
+        with tempfile.NamedTemporaryFile('w', suffix='.yaml') as busy, open(self.scene) as quiet:
+            busy.write(quiet.read() + 'script:\n')
+            for i in range(300):
+                grasp = 'grasp: {name: busy, body: sheet, select: {feature: corner_0}}'
+                busy.write('  - {at: %g, %s}\n' % (0.3 * i, 'release: busy' if i % 2 else grasp))
+            busy.flush()
+            self.restart_the_master_of(busy.name)
+
+    def restart_the_master_of(self, scene):
         port = self.free_port()
         uri = 'http://localhost:%d' % port
         master = self.start_master(port)
-        node = self.start('_scene:=' + self.scene, master=uri)
+        node = self.start('_scene:=' + scene, master=uri)
         api = xmlrpc.client.ServerProxy(uri)
 
         def registered():
             publishers, subscribers, services = api.getSystemState('/test')[2]
-            return ({name for name, nodes in publishers if '/deformable_sim' in nodes},
-                    {name for name, nodes in subscribers if '/deformable_sim' in nodes}, {name for name, _ in services})
+            return tuple({name for name, nodes in names if '/deformable_sim' in nodes and '/busy/' not in name}
+                         for names in (publishers, subscribers, services))
 
         everything = ('/deformable_sim/grasp/pin_line_end_0/wrench', '/deformable_sim/grasp/pin_line_end_0/target',
                       '/deformable_sim/step')

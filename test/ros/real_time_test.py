@@ -187,6 +187,14 @@ class RealTime(unittest.TestCase):
         drag.pose.position.y = goal
         feedback.publish(drag)
         self.grasp(name, lambda g: abs(g.pose.position.y - goal) < 1e-6)
+
+        # What is no pose is not shown to anybody: the handle is put back.
+        x, drag.pose.position.x = drag.pose.position.x, float('nan')
+        before = len(update.messages)
+        feedback.publish(drag)
+        put_back = update.wait(lambda m: any(p.name == name for p in m.poses), after=before)
+        at = next(p for p in put_back.poses if p.name == name).pose.position
+        self.assertAlmostEqual(at.x, x, delta=1e-3)
         update.close()
         init.close()
 

@@ -9,7 +9,8 @@ import unittest
 
 import rospy
 import rostest
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TransformStamped
+from tf2_msgs.msg import TFMessage
 
 from deformable_sim.msg import GraspCommand, Obstacle
 from support import (GraspSelection, Refusals, SimStatus, Simulation, Status, box, feature, nearest, node_position,
@@ -25,6 +26,14 @@ def target(x, y, z, frame=''):
     stamped.pose.position.x, stamped.pose.position.y, stamped.pose.position.z = x, y, z
     stamped.pose.orientation.w = 1.0
     return stamped
+
+
+def transform(child, stamp, place):
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id, message.header.stamp = 'world', rospy.Time(stamp)
+    message.transform.translation.x, message.transform.translation.y, message.transform.translation.z = place
+    message.transform.rotation.w = 1.0
+    return message
 
 
 class Services(Refusals, unittest.TestCase):
@@ -72,6 +81,31 @@ class Services(Refusals, unittest.TestCase):
         self.assertEqual(first, self.sim.everything())
 
     # --- grasps ---
+
+    def test_after_a_reset_frames_are_seen_though_their_clock_was_set_back(self):
+        # tf takes nothing 10 s older than what it has: not even one late transform of before may be left.
+        frames = rospy.Publisher('/tf', TFMessage, queue_size=100)
+        corners = [node_position(self.sim.state('sheet'), k) for k in (0, 10)]
+        state = self.sim.state('sheet')
+
+        def taken(corner, stamps):
+            """The node grasped where the frame is said to be."""
+            wanted = (corners.index(corner) * 10,)
+
+            def grasped():
+                stamps[0] += 0.1
+                frames.publish(TFMessage([transform('set_back', stamps[0], corner)]))
+                answer = self.sim.grasp(name='hand', body='sheet', selection=nearest(0, 0, 0, 'set_back'))
+                self.sim.release('hand')
+                return tuple(answer.nodes) == wanted
+
+            wait_until(grasped, 'a grasp of node %d' % wanted)
+
+        taken(corners[0], [600.0])
+        self.assertTrue(self.sim.reset().success)
+        self.sim.set_state(state)
+        taken(corners[0], [605.0])  # what was under way
+        taken(corners[1], [0.0])
 
     def test_a_grasp_finds_its_nodes_in_five_ways(self):
         at = node_position(self.sim.state('sheet'), 40)

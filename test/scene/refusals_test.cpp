@@ -160,7 +160,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "s.yaml:2: bodies[0].cloth.cells[0]: 0 is out of range; allowed: 1 ... 2000"},
         Refusal{"long integer", "bodies:\n  - cloth: {name: a, cells: [99999999999999999999, 2]}\n",
                 "s.yaml:2: bodies[0].cloth.cells[0]: 99999999999999999999 is out of range"},
-        Refusal{"zero dt", with("step: {dt: 0}\n"), "s.yaml:7: step.dt: 0 is out of range; allowed: 1e-06 ... 0.1"},
+        Refusal{"zero dt", with("step: {dt: 0}\n"), "s.yaml:7: step.dt: 0 is out of range; allowed: 1e-09 ... 2"},
         Refusal{"integrator", with("step: {integrator: implict_euler}\n"),
                 "s.yaml:7: step.integrator: unknown 'implict_euler'; did you mean 'implicit_euler'? Allowed: "},
         Refusal{"linear solver", with("step: {linear_solver: lu}\n"), "s.yaml:7: step.linear_solver: unknown 'lu'"},
@@ -288,7 +288,7 @@ TEST(SceneOverrides, AreRefusedByTheirPath) {
       {"bodies.cloth", "1", "--set bodies.cloth: 'cloth' is looked for in something that is no map"},
       {"step[0]", "1", "--set step[0]: [...] after something that is no list"},
       {"step.dt", "[1", "--set step.dt: '[1': VALUE:1: not valid YAML"},
-      {"step.dt", "-1", "--set step.dt: -1 is out of range; allowed: 1e-06 ... 0.1"},
+      {"step.dt", "-1", "--set step.dt: -1 is out of range; allowed: 1e-09 ... 2"},
       {"step.dt", "", "--set step.dt: must be a number, not nothing"},
       {"step.dtt", "1", "--set step.dtt: unknown key; did you mean 'dt'? Allowed: solver, accuracy"},
       {"step", "{dt: fast}", "--set step: step.dt: must be a number, not 'fast'"}};

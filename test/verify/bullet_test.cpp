@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "deformable_sim/core/contact/closest_points.h"
-#include "deformable_sim/core/topology/tet_mesh.h"
 #include "deformable_sim/scene/build.h"
 #include "deformable_sim/scene/load.h"
+#include "support/ball_file.h"
 #include "support/crossings.h"
 #include "support/small_worlds.h"
 #include "support/verification.h"
@@ -105,24 +104,6 @@ bodies:
     check("F26", "momentum of a sheet and a bullet that hits it, change over momentum",
           (world->state().v * model.mass - momentum).norm() / momentum.norm(), 0.0, 1e-10, Tolerance::kAbsolute);
   }
-}
-
-/// A ball of linear tetrahedra, a cube's nodes moved onto spheres; writes a MEDIT file.
-std::string ball_file(double radius, int cells) {
-  TetMesh mesh = make_box(Vec3::Constant(2.0), {cells, cells, cells});
-  for (Eigen::Index i = 0; i < mesh.rest.cols(); ++i) {
-    const Vec3 p = mesh.rest.col(i);
-    if (p.norm() > 0.0) mesh.rest.col(i) *= radius * p.cwiseAbs().maxCoeff() / p.norm();
-  }
-  const std::string path = testing::TempDir() + "ball.mesh";
-  std::ofstream file(path);
-  file.precision(17);
-  file << "MeshVersionFormatted 2\nDimension 3\nVertices\n" << mesh.rest.cols() << "\n";
-  for (Eigen::Index i = 0; i < mesh.rest.cols(); ++i) file << mesh.rest.col(i).transpose() << " 0\n";
-  file << "Tetrahedra\n" << mesh.tets.size() << "\n";
-  for (const auto& t : mesh.tets) file << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << " " << t[3] + 1 << " 0\n";
-  file << "End\n";
-  return path;
 }
 
 double energy(const World& world) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "deformable_sim/core/element/solid_stress.h"
+#include "support/rigid_copy.h"
 #include "support/solids.h"
 #include "support/statics.h"
 #include "support/table.h"
@@ -93,13 +93,6 @@ TEST(RigidMotion, IsNotDamped) {
   }
 }
 
-/// Largest distance between a shape and the closest rigid copy of another one.
-double distance_from_rigid_copy(const Nodes& x, const Nodes& rest) {
-  const Vec3 center = x.rowwise().mean(), rest_center = rest.rowwise().mean();
-  const Mat3 rotation = polar_rotation((x.colwise() - center) * (rest.colwise() - rest_center).transpose());
-  return ((x.colwise() - center) - rotation * (rest.colwise() - rest_center)).colwise().norm().maxCoeff();
-}
-
 /// Relaxes a cube of eight or more cells from `x`; the distance from its rest shape, turned and moved as it is.
 double recovered(const TetMesh& mesh, SolidLaw law, const Nodes& x) {
   System body(x, solid_masses(mesh, 1.0));
@@ -110,12 +103,6 @@ double recovered(const TetMesh& mesh, SolidLaw law, const Nodes& x) {
   settings.largest_move = 0.2;
   EXPECT_TRUE(find_equilibrium(&body, settings).converged) << name_of(law);
   return distance_from_rigid_copy(body.state.x, mesh.rest);
-}
-
-Nodes random_nodes(Eigen::Index count, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
-  return Nodes::NullaryExpr(3, count, [&] { return uniform(generator); });
 }
 
 TEST(Recovery, FromCollapsedAndInvertedStatesIsComplete) {

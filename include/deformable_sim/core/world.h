@@ -14,6 +14,8 @@
 
 namespace deformable_sim {
 
+constexpr double kLeastStep = 1e-9, kLongestStep = 2.0;  // s, allowed; not wise
+
 struct WorldSettings {
   double dt = 0.01;  // s, one step
   int parts = 1;     // that a step is taken in, at least; with a control other than kFixed it decides

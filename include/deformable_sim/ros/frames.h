@@ -14,6 +14,8 @@
 
 namespace deformable_sim {
 
+class Transforms;
+
 /// Newest known pose of a frame. stamp zero = static.
 struct FramePose {
   Pose world_from_frame;
@@ -44,13 +46,11 @@ class Frames {
   double timeout() const { return timeout_; }
 
  private:
-  struct Listener;
-
   std::string world_frame_;
   double timeout_;
   std::mutex opening_;
   std::atomic<bool> listening_{false};
-  std::unique_ptr<Listener> listener_;
+  std::unique_ptr<Transforms> listener_;
   std::chrono::steady_clock::time_point opened_at_;
 };
 

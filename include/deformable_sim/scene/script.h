@@ -18,9 +18,9 @@ class Script {
 
   /// The next event whose time has come, each once and in order; nullptr when there is none.
   const ScriptEvent* take(double time) {
-    // Times are multiples of a step only up to rounding.
-    constexpr double kSlack = 1e-9;  // s
-    if (next_ == events_.size() || events_[next_].time > time + kSlack) return nullptr;
+    // Times are multiples of a step only up to rounding, far less than the shortest step.
+    constexpr double kRounding = 1e-12;
+    if (next_ == events_.size() || events_[next_].time > time + kRounding * (1.0 + time)) return nullptr;
     return &events_[next_++];
   }
   /// From the beginning: the world was reset.

@@ -67,7 +67,8 @@ void SheetStage::prepare(const Dynamics& d) {
 
 StepReport SheetStage::solve(const StageEquation& equation, const State& start, const Dynamics& d) {
   if (!prepared_) prepare(d);
-  if (!fits_) return generic_.solve(equation, start, d);
+  in_rows_ = fits_ && !is_unresolved(equation.tau, start, d);
+  if (!in_rows_) return generic_.solve(equation, start, d);
   for (Nodes* nodes : {&end_.x, &end_.v, &force_, &outer_force_}) nodes->resize(3, start.x.cols());
   end_.time = start.time + equation.duration;
   for_each_piece(workers_, static_cast<int>(sheets_.size()), [&](int k) {
@@ -98,7 +99,7 @@ void SheetStage::find_force(const State& s, const Dynamics& d, Nodes* f) {
 }
 
 void SheetStage::report_contacts(ContactConstraints* contacts) const {
-  if (!fits_) return generic_.report_contacts(contacts);
+  if (!in_rows_) return generic_.report_contacts(contacts);
   for (const auto& sheet : sheets_) sheet->report_contacts(contacts);
 }
 

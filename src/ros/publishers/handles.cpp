@@ -1,5 +1,6 @@
 // ~interactive_markers: a 6-dof interactive marker for each grasp that no tf frame moves.
 #include <map>
+#include <mutex>
 
 #include <interactive_markers/interactive_marker_server.h>
 #include <visualization_msgs/InteractiveMarker.h>
@@ -32,6 +33,15 @@ void add_axis(const char* name, double x, double y, double z, visualization_msgs
 
 bool moved(const Pose& a, const Pose& b) {
   return (a.translation() - b.translation()).norm() > kMoved || (a.linear() - b.linear()).norm() > kMoved;
+}
+
+bool is_pose(const geometry_msgs::Pose& pose) {
+  try {
+    to_pose(pose, "the handle");
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 class Handles : public TopicsPublisher {
@@ -69,7 +79,10 @@ class Handles : public TopicsPublisher {
         pose = known->second;
       }
     }
-    shown_.swap(present);
+    {
+      const std::lock_guard<std::mutex> lock(shown_mutex_);
+      shown_.swap(present);
+    }
     server_->applyChanges();
   }
 
@@ -86,6 +99,8 @@ class Handles : public TopicsPublisher {
     add_axis("z", 0, 1, 0, &marker);
     server_->insert(marker, [this](const visualization_msgs::InteractiveMarkerFeedbackConstPtr& feedback) {
       if (feedback->event_type != visualization_msgs::InteractiveMarkerFeedback::POSE_UPDATE) return;
+      // The server, which holds its lock here, has taken the pose as it came, and would show it.
+      if (!is_pose(feedback->pose)) put_back(feedback->marker_name);
       geometry_msgs::PoseStamped target;
       target.header = feedback->header;
       target.pose = feedback->pose;
@@ -93,11 +108,18 @@ class Handles : public TopicsPublisher {
     });
   }
 
+  void put_back(const std::string& name) {
+    const std::lock_guard<std::mutex> lock(shown_mutex_);
+    const auto known = shown_.find(name);
+    server_->setPose(name, to_message(known == shown_.end() ? Pose::Identity() : known->second));
+  }
+
   Advertiser advertiser_;
   std::string topic_;
   std::string frame_id_;
   std::function<void(const std::string&, const geometry_msgs::PoseStamped&)> drag_;
-  std::map<std::string, Pose> shown_;
+  std::mutex shown_mutex_;             // held where shown_ changes, and where the server's thread reads it
+  std::map<std::string, Pose> shown_;  // changed by publish() alone
   std::shared_ptr<interactive_markers::InteractiveMarkerServer> server_;
 };
 

@@ -8,6 +8,9 @@
 
 namespace deformable_sim {
 
+/// Whether a step is so short that round-off of the positions, over tau^2, is more than an acceleration that matters.
+bool is_unresolved(double tau, const State& start, const Dynamics& d);
+
 /// Newton's method for one stage; work space and preconditioner are kept from step to step.
 ///
 /// The residual M a - f - more_force - contacts is made small from the start positions or from the explicit guess
@@ -19,11 +22,14 @@ namespace deformable_sim {
 /// far below what matters makes a huge unbalanced force, so that neither the residual nor the work along a step say how
 /// far the solution is. Newton then starts from x_base + tau v_base + tau^2 a of the last step, takes whole steps, and
 /// what is left is measured as A^-1 r / tau^2 with the last factors: the acceleration that one more step would add.
-/// That is the report's residual, and what the tolerance is for.
+/// That is the report's residual, and what the tolerance is for. A residual that is still huge when Newton ends is told
+/// in the same way.
 ///
 /// With multigrid Newton starts from x_start + duration v_start: few iterations of it leave spring forces that are
 /// large and short-lived, and a guess made of them costs more than it saves. A body at rest still starts from where it
 /// is.
+///
+/// Steps that are unresolved, of less than about 0.1 us, are solved for velocities instead.
 ///
 /// Linearised, f is replaced by its expansion about the start, f0 + K (x - x0) + C (v - v0), K and C exact: one linear
 /// solve, or a few with the same matrix where contacts close. If the matrix is then not definite (springs compressed
@@ -53,10 +59,12 @@ class ImplicitStage : public StageSolver {
   void take_full_step();
   double leave_full_steps();
   double left_over();
+  double left_to_move(StepReport* report);
   void begin(const StageEquation& equation, const State& start, const Dynamics& d);
   void find_near_nodes();
   double start_iteration();
   double coast();
+  StepReport solve_for_velocities();
   void guess();
   void find_velocities();
   void evaluate();

@@ -14,7 +14,7 @@ namespace deformable_sim {
 bool sheets_fit(const Dynamics& d);
 
 /// Solves the sheets one by one (SheetSolve) where sheets_fit(); else all is left to an ImplicitStage with a
-/// MultigridSolver.
+/// MultigridSolver, as are steps too short for positions.
 class SheetStage : public StageSolver {
  public:
   explicit SheetStage(const SolverSettings& settings)
@@ -23,9 +23,9 @@ class SheetStage : public StageSolver {
   void reset() override;
   StepReport solve(const StageEquation& equation, const State& start, const Dynamics& d) override;
   void find_force(const State& s, const Dynamics& d, Nodes* f) override;
-  State& end() override { return fits_ ? end_ : generic_.end(); }
-  const Nodes& force() const override { return fits_ ? force_ : generic_.force(); }
-  const Nodes& outer_force() const override { return fits_ ? outer_force_ : generic_.outer_force(); }
+  State& end() override { return in_rows_ ? end_ : generic_.end(); }
+  const Nodes& force() const override { return in_rows_ ? force_ : generic_.force(); }
+  const Nodes& outer_force() const override { return in_rows_ ? outer_force_ : generic_.outer_force(); }
   void report_contacts(ContactConstraints* contacts) const override;
 
  private:
@@ -34,6 +34,7 @@ class SheetStage : public StageSolver {
   SolverSettings settings_;
   ImplicitStage generic_;
   bool prepared_ = false, fits_ = false;
+  bool in_rows_ = false;  // the last solve
   SheetSurroundings around_;
   std::vector<std::unique_ptr<SheetSolve>> sheets_;
   std::vector<StepReport> reports_;   // of each sheet
