@@ -46,6 +46,12 @@ def resident(pid):
         return next(int(line.split()[1]) / 1024.0 for line in stream if line.startswith('VmRSS'))
 
 
+def allocated(pid):
+    """MiB that it has for itself, in memory or swapped: pages of files come and go with what else the machine does."""
+    with open('/proc/%d/status' % pid, encoding='ascii') as stream:
+        return sum(int(line.split()[1]) / 1024.0 for line in stream if line.startswith(('RssAnon', 'VmSwap')))
+
+
 def descriptors(pid):
     return len(os.listdir('/proc/%d/fd' % pid))
 

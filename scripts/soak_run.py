@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 import yaml
 
-from own_node import DEADLINE, NODE, descriptors, resident, start_master, stop
+from own_node import DEADLINE, NODE, allocated, descriptors, start_master, stop
 from soak_books import Sheet
 from soak_judge import DESCRIPTORS
 from soak_robot import BODY, Robot
@@ -68,7 +68,7 @@ class SoakRun:
         wait_until(lambda: self.robot.status, 'the status of the node')
         self.fresh = self.fresh_bits()
         self.rests.append(self.rest())
-        self.quiet.append((resident(self.node.pid), descriptors(self.node.pid)))
+        self.quiet.append((allocated(self.node.pid), descriptors(self.node.pid)))
         for _ in range(LISTENERS):
             self.start_listener()
         self.robot.thread.start()
@@ -84,7 +84,7 @@ class SoakRun:
         self.rests.append(self.rest())
         self.look()
         self.reset_and_compare()
-        self.quiet.append((resident(self.node.pid), self.least_descriptors()))
+        self.quiet.append((allocated(self.node.pid), self.least_descriptors()))
 
     def least_descriptors(self):
         """Connections end some time after those at their other ends."""
@@ -222,7 +222,7 @@ class SoakRun:
             self.sim.reset()
         sample = {
             'wall_s': round(now - self.began, 2), 'simulated_s': round(robot.simulated, 2), 'time_s': round(status.time, 2),
-            'memory_MiB': round(resident(self.node.pid), 3), 'descriptors': descriptors(self.node.pid),
+            'memory_MiB': round(allocated(self.node.pid), 3), 'descriptors': descriptors(self.node.pid),
             'real_time_factor': round(status.real_time_factor, 1), 'repeated_steps': robot.repeated,
             'energy_created_J': robot.created, 'kinetic_J': status.kinetic_energy, 'elastic_J': status.elastic_energy,
             'potential_J': status.potential_energy, 'max_strain': status.max_strain, 'residual_m_s2': status.residual,
