@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include "deformable_sim/ros/careful_messages.h"
+#include "deformable_sim/ros/convert.h"
 
 namespace deformable_sim {
 
@@ -11,6 +12,7 @@ namespace {
 constexpr int kQueue = 100;
 constexpr int kEnough = 3;  // too old in a row: one or two may be stragglers of another publisher
 constexpr std::size_t kMostFrames = 10000;
+constexpr std::uint32_t kLatest = 0xFFFFFFFFu - 1000u;  // s: a buffer adds what it keeps to a stamp, and ros::Time throws
 
 }  // namespace
 
@@ -41,9 +43,15 @@ void Transforms::hear(const tf2_msgs::TFMessage& message, bool is_static) {
   if (now < heard_) clear();
   heard_ = now;
   for (const geometry_msgs::TransformStamped& transform : message.transforms) {
+    if (transform.header.stamp.sec > kLatest) {
+      ROS_WARN_STREAM_THROTTLE_NAMED(10.0, "frames",
+                                     "a transform of tf frame " << printable(transform.child_frame_id)
+                                                                << " is dropped: its stamp is the end of time");
+      continue;
+    }
     if (!is_static && is_set_back(transform)) {
       ROS_WARN_STREAM_THROTTLE_NAMED(10.0, "frames",
-                                     "the clock of tf frame " << transform.child_frame_id << " was set back to "
+                                     "the clock of tf frame " << printable(transform.child_frame_id) << " was set back to "
                                                               << transform.header.stamp
                                                               << "; what is older is dropped");
       clear();

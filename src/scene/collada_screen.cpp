@@ -36,6 +36,16 @@ size_t end_of_tag(const std::string& text, size_t at) {
   return at;
 }
 
+/// Elements whose text a reader takes for whole numbers until it ends: one letter among them keeps it from ending.
+bool holds_indices(const std::string& tag) {
+  const std::string name = tag.substr(1, tag.find_first_of(" \t\r\n/", 1) - 1);
+  return name == "p" || name == "v" || name == "vcount" || name == "h";
+}
+
+void check_indices(const std::string& text, size_t begin, size_t end) {
+  if (text.find_first_not_of("0123456789- \t\r\n", begin) < end) throw InputError("an index is no whole number");
+}
+
 void check_counts(const std::string& tag, size_t bytes) {
   for (size_t at = tag.find("count"); at != std::string::npos; at = tag.find("count", at + 1)) {
     const size_t equals = tag.find_first_not_of(" \t\r\n", at + 5);
@@ -57,10 +67,13 @@ void screen_collada(const std::string& text) {
   // A reader would take these for text of two or four bytes a letter, which is not what is screened here.
   if (text.find('\0') != std::string::npos) throw InputError("holds zero bytes; Collada is UTF-8 text");
   int depth = 0;
-  for (size_t at = text.find('<'); at < text.size(); at = std::min(text.find('<', at), text.size())) {
+  bool indices = false;
+  for (size_t at = text.find('<'), last = 0; at < text.size(); last = at, at = std::min(text.find('<', at), text.size())) {
+    if (indices && last > 0) check_indices(text, last, at);
     if (starts(text, at, "<!--")) {
       at = after(text, at + 4, "-->");
     } else if (starts(text, at, "<![CDATA[")) {
+      if (indices) throw InputError("an index is no whole number");
       at = after(text, at, "]]>");
     } else if (starts(text, at, "<?")) {
       at = after(text, at, "?>");
@@ -78,7 +91,9 @@ void screen_collada(const std::string& text) {
         throw InputError("instance_node is not read; save the file with each part where it is used");
       }
       check_counts(tag, text.size());
-      at = end;
+      if (indices && !starts(tag, 0, "</")) throw InputError("an element among indices");
+      indices = !starts(tag, 0, "</") && tag.back() != '/' && holds_indices(tag);
+      at = std::min(end + 1, text.size());
     }
   }
 }

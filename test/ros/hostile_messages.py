@@ -166,7 +166,8 @@ class Hostile:
             value = self.random.choice(FLOATS + (self.random.uniform(-1, 1),))
             return 3e38 if kind == 'float32' and abs(value) > 3e38 else value
         if kind in ('time', 'duration'):
-            whole, parts = self.random.choice((0, 1, 2**31 - 1)), self.random.choice((0, 1, 999999999))
+            whole = self.random.choice((0, 1, 2**31 - 1) + ((2**32 - 1,) if kind == 'time' else ()))
+            parts = self.random.choice((0, 1, 999999999))
             return genpy.Time(whole, parts) if kind == 'time' else genpy.Duration(whole, parts)
         return self.random.choice(FILES if self.random.random() < 0.2 else WORDS)
 

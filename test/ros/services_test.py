@@ -107,6 +107,13 @@ class Services(Refusals, unittest.TestCase):
         taken(corners[0], [605.0])  # what was under way
         taken(corners[1], [0.0])
 
+        # ros::Time cannot add to the last of its seconds, and throws.
+        last = transform('set_back', 0.0, corners[0])
+        last.header.stamp = rospy.Time(2**32 - 1)
+        for _ in range(2):
+            frames.publish(TFMessage([last]))
+        taken(corners[0], [20.0])
+
     def test_a_grasp_finds_its_nodes_in_five_ways(self):
         at = node_position(self.sim.state('sheet'), 40)
         by_nodes = GraspSelection(method=GraspSelection.NODES, nodes=[3, 5])

@@ -176,6 +176,12 @@ TEST(HostileMesh, ColladaIsScreenedBeforeItsReader) {
   EXPECT_NE(std::string::npos,
             refused("<COLLADA><node><instance_node url=\"#a\"/></node></COLLADA>").find("instance_node"));
   EXPECT_NE(std::string::npos, refused(std::string("<\0C\0", 4)).find("zero bytes"));
+  for (const char* indices : {"0 1// 2", "0 1 &#47;", "0 <!-- --> / 1", "0 <![CDATA[/]]> 1", "1.5", "x"}) {
+    const std::string text = std::string("<COLLADA><p>") + indices + "</p></COLLADA>";
+    EXPECT_NE(std::string::npos, refused(text).find("an index is no whole number")) << text;
+  }
+  EXPECT_NE(std::string::npos, refused("<COLLADA><p><q/>/</p></COLLADA>").find("an element among indices"));
+  EXPECT_EQ(std::string::npos, refused("<COLLADA><p>0 -1\n2</p> / </COLLADA>").find("ind"));
   std::string deep;
   for (int k = 0; k < 100000; ++k) deep += "<node><!-- </node> -->";
   EXPECT_NE(std::string::npos, refused(deep).find("nested deeper"));
