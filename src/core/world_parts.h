@@ -105,9 +105,6 @@ struct World::Parts {
   bool step_in_parts();
   bool step_twice();
   bool step_safely();
-  /// The next step by what may make it; false when nothing can.
-  bool make_step();
-  bool is_hopeless() const;
   void accept_step();
   std::string refuse_step();
   void add_report(const StepReport& part);

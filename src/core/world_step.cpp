@@ -20,11 +20,7 @@ constexpr int kMaxRefinements = 2;
 constexpr double kOverlap = 0.001;  // m: bodies this far inside a collider are let out, which takes work
 const char* const kSafeScheme = "implicit_euler";
 constexpr int kSafeIterations = 30;
-constexpr int kSafeParts[] = {1, 8, 64};  // of a step by the safe scheme
-constexpr double kHopeless = 5e3;         // m/s^2: left in shorter parts too, it is the scheme that finds no solution
-// Beyond so many parts those of implicit schemes are halved no more: a step that asks for hundreds from the start would
-// take as long as minutes of others, and the safe scheme is left.
-constexpr int kMostHalved = 512;
+constexpr int kSafeParts[] = {8, 64};  // of a step by the safe scheme
 
 void add(const StepReport& part, StepReport* sum) {
   sum->converged = sum->converged && part.converged;
@@ -124,7 +120,6 @@ bool World::Parts::step_in_parts() {
   refinements = 0;
   bool ok = try_step(substeps);
   while (refinements < kMaxHalvings && (!ok || is_poor(refinements))) {
-    if (integrator->needs().jacobian && substeps >= kMostHalved) break;
     restore_last_good();
     substeps *= 2;
     if (!integrator->needs().jacobian && (!ok || makes_energy)) {
@@ -156,14 +151,10 @@ bool World::Parts::step_twice() {
   return true;
 }
 
-/// A finite step that solves nothing: motion made of what is left comes from nowhere, and goes anywhere.
-bool World::Parts::is_hopeless() const {
-  return integrator->needs().jacobian && !report.converged && report.residual > kHopeless;
-}
-
 /// From the last good state, where the scene's scheme has found no step: implicit Euler with Newton's method given
 /// time, which loses energy but little else can upset. False when there is none either.
 bool World::Parts::step_safely() {
+  if (integrator->name() == kSafeScheme && settings.solver.newton_iterations >= kSafeIterations) return false;
   SolverSettings solver;
   solver.newton_iterations = kSafeIterations;
   solver.tolerance = settings.solver.tolerance;
@@ -184,7 +175,7 @@ bool World::Parts::step_safely() {
     substeps = parts;
     refinements = kMaxHalvings;  // the last resort: what would cross stays where it is
     ok = try_step(parts);
-    if (ok && (parts > 1 || !is_poor(0))) break;
+    if (ok) break;
   }
   std::swap(scheme, integrator);
   settings = asked;
@@ -197,17 +188,6 @@ bool World::Parts::step_safely() {
   dynamics.contacts = touched;
   if (ok) safe_until = good_state.time + settings.dt + kRemembered;
   return ok;
-}
-
-bool World::Parts::make_step() {
-  const bool ok = controller && controller->is_check_due() ? step_twice() : step_in_parts();
-  if (ok && !is_hopeless()) return true;
-  if (integrator->name() == kSafeScheme && settings.solver.newton_iterations >= kSafeIterations) return ok;
-  if (step_safely()) return true;
-  if (!ok) return false;
-  restore_last_good();
-  substeps = wanted_parts();
-  return step_in_parts();
 }
 
 /// The step is made: what it says of itself.
@@ -247,7 +227,8 @@ StepOutcome World::step() {
   const double spent = w.cost.total();
   w.keep_last_good();
   w.substeps = w.wanted_parts();
-  const bool ok = w.make_step();
+  const bool ok =
+      (w.controller && w.controller->is_check_due() ? w.step_twice() : w.step_in_parts()) || w.step_safely();
 
   StepOutcome outcome;
   outcome.ok = ok;

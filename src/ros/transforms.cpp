@@ -12,7 +12,8 @@ namespace {
 constexpr int kQueue = 100;
 constexpr int kEnough = 3;  // too old in a row: one or two may be stragglers of another publisher
 constexpr std::size_t kMostFrames = 10000;
-constexpr std::uint32_t kLatest = 0xFFFFFFFFu - 1000u;  // s: a buffer adds what it keeps to a stamp, and ros::Time throws
+constexpr std::uint32_t kLatest =
+    0xFFFFFFFFu - 1000u;  // s: a buffer adds what it keeps to a stamp, and ros::Time throws
 
 }  // namespace
 
@@ -51,8 +52,8 @@ void Transforms::hear(const tf2_msgs::TFMessage& message, bool is_static) {
     }
     if (!is_static && is_set_back(transform)) {
       ROS_WARN_STREAM_THROTTLE_NAMED(10.0, "frames",
-                                     "the clock of tf frame " << printable(transform.child_frame_id) << " was set back to "
-                                                              << transform.header.stamp
+                                     "the clock of tf frame " << printable(transform.child_frame_id)
+                                                              << " was set back to " << transform.header.stamp
                                                               << "; what is older is dropped");
       clear();
     }

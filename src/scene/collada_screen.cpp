@@ -68,7 +68,8 @@ void screen_collada(const std::string& text) {
   if (text.find('\0') != std::string::npos) throw InputError("holds zero bytes; Collada is UTF-8 text");
   int depth = 0;
   bool indices = false;
-  for (size_t at = text.find('<'), last = 0; at < text.size(); last = at, at = std::min(text.find('<', at), text.size())) {
+  for (size_t at = text.find('<'), last = 0; at < text.size();
+       last = at, at = std::min(text.find('<', at), text.size())) {
     if (indices && last > 0) check_indices(text, last, at);
     if (starts(text, at, "<!--")) {
       at = after(text, at + 4, "-->");

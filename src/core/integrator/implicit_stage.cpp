@@ -20,7 +20,6 @@ constexpr int kHalvings = 8;            // of a Newton step, at most
 constexpr double kLinearShare = 0.3;    // of the Newton tolerance that the linear solve may leave
 constexpr double kAtRest = 1e-3;        // of the tolerance: below, a step may take no Newton iteration at all
 constexpr int kFrictionIterations = 5;  // Newton iterations in which friction follows the normal force
-constexpr double kUntold = 1e3;         // m/s^2: a larger residual at the end is told as what another step would add
 constexpr double kDeep = 3e-4;          // m: while a contact point is deeper ...
 constexpr double kRough = 60.0;         // m/s^2: ... or the residual of a step with contacts larger, Newton goes on ...
 constexpr int kRoughShare = 2;          // ... for at most so many times the allowed iterations
@@ -74,7 +73,6 @@ StepReport ImplicitStage::solve(const StageEquation& equation, const State& star
     if (full_steps_ && report.converged) take_full_step();
     report.seconds_assembly += lap();
   }
-  if (!(report.residual <= kUntold) && !linearised_) report.residual = std::min(report.residual, left_to_move(&report));
   if (!report.converged) contacts_.push_out(kDeep, inverse_mass_, &trial_.x);
   find_velocities();
   report.force_evaluations = force_evaluations_;
@@ -218,14 +216,6 @@ void ImplicitStage::take_full_step() {
 /// RMS acceleration (m/s^2) that another Newton step with the last factors would add; without factors, the residual.
 double ImplicitStage::left_over() {
   if (!matrix_.solve_again(residual_, &step_)) return unbalanced(residual_);
-  return std::sqrt(step_.squaredNorm() / free_) / (tau_ * tau_);
-}
-
-/// RMS acceleration (m/s^2) that another Newton step would add. Of stiff bodies the residual alone tells little: with
-/// k / m = 1e12 / s^2 a micrometre makes 1e6 m/s^2.
-double ImplicitStage::left_to_move(StepReport* report) {
-  assemble();
-  if (!solve_linear(report)) return std::numeric_limits<double>::infinity();
   return std::sqrt(step_.squaredNorm() / free_) / (tau_ * tau_);
 }
 

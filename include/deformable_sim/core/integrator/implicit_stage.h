@@ -22,8 +22,7 @@ bool is_unresolved(double tau, const State& start, const Dynamics& d);
 /// far below what matters makes a huge unbalanced force, so that neither the residual nor the work along a step say how
 /// far the solution is. Newton then starts from x_base + tau v_base + tau^2 a of the last step, takes whole steps, and
 /// what is left is measured as A^-1 r / tau^2 with the last factors: the acceleration that one more step would add.
-/// That is the report's residual, and what the tolerance is for. A residual that is still huge when Newton ends is told
-/// in the same way.
+/// That is the report's residual, and what the tolerance is for.
 ///
 /// With multigrid Newton starts from x_start + duration v_start: few iterations of it leave spring forces that are
 /// large and short-lived, and a guess made of them costs more than it saves. A body at rest still starts from where it
@@ -59,7 +58,6 @@ class ImplicitStage : public StageSolver {
   void take_full_step();
   double leave_full_steps();
   double left_over();
-  double left_to_move(StepReport* report);
   void begin(const StageEquation& equation, const State& start, const Dynamics& d);
   void find_near_nodes();
   double start_iteration();
