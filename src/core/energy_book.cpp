@@ -10,6 +10,13 @@ constexpr double kShareOfMotion = 0.5;  // of K, that may be unexplained in the 
 constexpr double kLift = 0.02;          // J/kg
 constexpr double kForget = 1.0;         // s
 
+double stored_energy(const Dynamics& d, const Energy* ignored, const State& s) {
+  double stored = 0.0;
+  for (const Energy* e : d.energies)
+    if (e != ignored) stored += e->value(s);
+  return stored;
+}
+
 }  // namespace
 
 MotionEnergy motion_energy(const Model& model, const State& s) {
@@ -31,8 +38,20 @@ MotionEnergy motion_energy(const Model& model, const State& s) {
   return e;
 }
 
+void EnergyBook::begin() {
+  looks_ = 0;
+  at_start_ = at_end_ = kUnknown;
+}
+
 void EnergyBook::begin_step() {
   work_before_ = work_;
+  at_start_ = at_end_;
+  at_end_ = kUnknown;
+}
+
+void EnergyBook::restart_step() {
+  work_ = work_before_;
+  at_end_ = kUnknown;
 }
 
 void EnergyBook::begin_held(const Kinematics& k, const Nodes& x) {
@@ -57,6 +76,18 @@ bool EnergyBook::is_possible(const Model& model, const State& s) const {
   return e.kinetic + e.weight <= level() + work_ + slack;
 }
 
+bool EnergyBook::has_gained(const Model& model, const Dynamics& d, const Energy* ignored, const State& s,
+                            double share) {
+  if (looks_ == 0) return false;
+  const MotionEnergy motion = motion_energy(model, s);
+  at_end_ = motion.kinetic + stored_energy(d, ignored, s);
+  const bool known = !std::isnan(at_start_);
+  const double was = known ? at_start_ : last_level();
+  const double given = known ? work_ - work_before_ : work_;
+  const double scale = motion.kinetic + std::abs(was - motion.weight);
+  return at_end_ > was + std::abs(given) + allowed_ + share * scale + kLift * mass_;
+}
+
 double EnergyBook::level() const {
   return *std::max_element(level_.begin(), level_.begin() + std::min(looks_, kLooks));
 }
@@ -76,9 +107,7 @@ void EnergyBook::end_step(const Model& model, const Dynamics& d, const Energy* i
   allowed_ += 2.0 * drive_ * dt;
   if (looks_ > 0 && ++age_ < kLookSteps) return;
   const MotionEnergy motion = motion_energy(model, s);
-  double stored = 0.0;
-  for (const Energy* e : d.energies)
-    if (e != ignored) stored += e->value(s);
+  const double stored = stored_energy(d, ignored, s);
   const double total = motion.kinetic + stored;
   const double drive = power(d, s);
   if (looks_ > 0) {

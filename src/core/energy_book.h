@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "deformable_sim/core/archive.h"
 #include "deformable_sim/core/integrator/integrator.h"
@@ -31,10 +32,10 @@ class EnergyBook {
   static constexpr int kLooks = 4;
 
   /// The books begin anew: something was changed from outside.
-  void begin() { looks_ = 0; }
+  void begin();
   /// A step begins; it begins anew.
   void begin_step();
-  void restart_step() { work_ = work_before_; }
+  void restart_step();
 
   /// Work of rigid grasps in a part of a step, in which x goes to where it ends: begins, ends.
   void begin_held(const Kinematics& kinematics, const Nodes& x);
@@ -45,9 +46,16 @@ class EnergyBook {
 
   /// Whether the step that ended at `s` is possible, as far as weight and motion tell.
   bool is_possible(const Model& model, const State& s) const;
+  /// Whether there is more energy of all kinds at `s`, where a step ends, than there was and was given since, by a
+  /// share of what moves and is stored; for steps of which anything may come. "Was": where the step began, if that was
+  /// asked then, else at the last look.
+  bool has_gained(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double share);
   /// The step is accepted: takes a look when it is time, at all energies of `d` but `ignored`, which stores none of its
   /// own; dt: of the step, s.
   void end_step(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double dt);
+
+  /// The next look is due.
+  void hurry() { age_ = kLookSteps; }
 
   /// J, since the start and within about the last second.
   double created() const { return created_; }
@@ -59,8 +67,11 @@ class EnergyBook {
   void pass(Archive* archive);
 
  private:
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
   /// J, that there may be at the last look.
   double level() const;
+  double last_level() const { return level_[static_cast<size_t>((looks_ - 1) % kLooks)]; }
   /// J/s of terms that store nothing.
   double power(const Dynamics& d, const State& s);
 
@@ -70,6 +81,7 @@ class EnergyBook {
   double drive_ = 0.0;                     // J/s, of wind, at the look
   double work_ = 0.0, work_before_ = 0.0;  // J since the look, and when the step began
   double allowed_ = 0.0;                   // J since the look, of wind
+  double at_start_ = kUnknown, at_end_ = kUnknown;  // J, of the step, where has_gained() asked; else NaN
   double mass_ = 0.0;                      // kg
   double created_ = 0.0, lately_ = 0.0, scale_ = 0.0;
   Nodes force_;

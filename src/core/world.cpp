@@ -152,6 +152,11 @@ void World::Parts::set_control(const StepControlSettings& control) {
 }
 
 void World::Parts::held_nodes_changed() {
+  book.begin();
+  bind_terms();
+}
+
+void World::Parts::bind_terms() {
   dynamics.energies.clear();
   for (const auto& e : model->energies) dynamics.energies.push_back(e.get());
   if (limiter && dynamics.pattern != nullptr) dynamics.energies.push_back(limiter->springs());
@@ -175,7 +180,6 @@ void World::Parts::held_nodes_changed() {
     for (int node : dynamics.kinematics.node) inverse_mass[node] = 0.0;
   }
   stable_dt_age = -1;
-  book.begin();
   if (controller) controller->hurry();
   if (state.x_before.cols() == 0) state.dt_before = 0.0;  // a node let go has another acceleration
   integrator->reset();

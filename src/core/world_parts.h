@@ -64,6 +64,7 @@ struct World::Parts {
   StepReport report;
   int substeps = 1;
   int refinements = 0;  // how often the last step was begun anew in shorter parts
+  bool last_resort = false;  // step_safely() is at work
   double max_penetration = 0.0;
   double violation = 0.0;      // m, of the worst contact in any part of the step
   bool makes_energy = false;   // so it seems: see EnergyBook::is_possible()
@@ -96,6 +97,8 @@ struct World::Parts {
   void start();
   /// Kinematics, springs and everything that depends on which nodes are held.
   void held_nodes_changed();
+  /// The terms of the forces, which nodes are held, and what depends on the scheme.
+  void bind_terms();
   void colliders_changed();
 
   /// Thread CPU time, s; 0 in a step that is not timed.
@@ -104,7 +107,9 @@ struct World::Parts {
   void restore_last_good();
   bool step_in_parts();
   bool step_twice();
-  bool step_safely();
+  bool step_safely(double depth);
+  bool is_outside(double depth);
+  bool step_somehow();
   void accept_step();
   std::string refuse_step();
   void add_report(const StepReport& part);
@@ -121,6 +126,7 @@ struct World::Parts {
   void integrate(double h);
   void limit_strain(double h);
   bool state_is_sane() const;
+  bool unsound_step_gains();
   /// A finite step that had better be made again in shorter parts; `refinement` = how often that was done.
   bool is_poor(int refinement) const;
   /// Parts that this step needs: 1, or more for an explicit scheme past its stability limit.

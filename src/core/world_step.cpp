@@ -18,6 +18,9 @@ constexpr double kViolation = 0.0005;     // m: contacts that end so far inside 
 constexpr double kLost = 0.005;           // m: the same, as often as it takes
 constexpr int kMaxRefinements = 2;
 constexpr double kOverlap = 0.001;  // m: bodies this far inside a collider are let out, which takes work
+constexpr double kUnsolvedGain = 0.05;  // of all energy, that a step which is no solution may err by
+constexpr double kExplicitGain = 0.25;  // the same, of an explicit one: the faster a mode the more its energy swings
+constexpr int kManyParts = 16;
 const char* const kSafeScheme = "implicit_euler";
 constexpr int kSafeIterations = 30;
 constexpr int kSafeParts[] = {8, 64};  // of a step by the safe scheme
@@ -74,7 +77,9 @@ bool World::Parts::state_is_sane() const {
   // unknowns are tensions a large one is no sign of divergence: stiffness times what is left to do.
   // Where bodies meet, shorter parts are judged by how far what is left would move a node, as whole steps are.
   const double shorter = meetings ? 1 << refinements : 1;
-  const double most = integrator->needs().jacobian ? kDiverged * shorter * shorter : std::numeric_limits<double>::max();
+  // In the last resort the books of energy tell, and what contacts give way.
+  const bool judged = integrator->needs().jacobian && !last_resort;
+  const double most = judged ? kDiverged * shorter * shorter : std::numeric_limits<double>::max();
   // A sum is finite only where all that it sums is, and far quicker than a look at each.
   return std::isfinite(state.x.sum()) && std::isfinite(state.v.sum()) &&
          std::isfinite(dynamics.kinematics.reaction.sum()) && report.residual <= most &&
@@ -102,8 +107,18 @@ bool World::Parts::try_step(int parts) {
     if (i > 0) part_state = state;
     if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
   }
-  makes_energy = max_penetration < kOverlap && !book.is_possible(*model, state);
+  makes_energy = max_penetration < kOverlap && (!book.is_possible(*model, state) || unsound_step_gains());
   return true;
+}
+
+/// What is left far from a solution may be anything: its elastic energy counts as well. So it does where an explicit
+/// scheme evaluates forces so often in a step that a look at all energies is cheap.
+bool World::Parts::unsound_step_gains() {
+  const bool unsolved = !report.converged && report.residual > kGrossResidual;
+  const bool cheap = !integrator->needs().jacobian && report.force_evaluations >= kManyParts;
+  if (!unsolved && !cheap) return false;
+  const Energy* ignored = limiter ? limiter->springs() : nullptr;
+  return book.has_gained(*model, dynamics, ignored, state, unsolved ? kUnsolvedGain : kExplicitGain);
 }
 
 bool World::Parts::is_poor(int refinement) const {
@@ -115,7 +130,7 @@ bool World::Parts::is_poor(int refinement) const {
 }
 
 /// From the last good state: a step in `substeps` parts, or more. False when there is none. Where bodies meet, a large
-/// residual is no sign of divergence, but one that is left over by a step that makes energy is.
+/// residual is no sign of divergence.
 bool World::Parts::step_in_parts() {
   refinements = 0;
   bool ok = try_step(substeps);
@@ -131,7 +146,7 @@ bool World::Parts::step_in_parts() {
     ++refinements;
     ok = try_step(substeps);
   }
-  return ok && !(meetings && makes_energy && !report.converged);
+  return ok;
 }
 
 /// The same step in parts and in twice as many, whose state is taken: what they differ by is what the first had wrong.
@@ -151,10 +166,14 @@ bool World::Parts::step_twice() {
   return true;
 }
 
+bool World::Parts::is_outside(double depth) {
+  return !contacts || std::isinf(depth) || contacts->penetration(state.x, collider_steps, dynamics.contacts) <= depth;
+}
+
 /// From the last good state, where the scene's scheme has found no step: implicit Euler with Newton's method given
-/// time, which loses energy but little else can upset. False when there is none either.
-bool World::Parts::step_safely() {
-  if (integrator->name() == kSafeScheme && settings.solver.newton_iterations >= kSafeIterations) return false;
+/// time, which loses energy but little else can upset. False when there is none either, or none that ends at most `depth`
+/// (m) inside a collider.
+bool World::Parts::step_safely(double depth) {
   SolverSettings solver;
   solver.newton_iterations = kSafeIterations;
   solver.tolerance = settings.solver.tolerance;
@@ -164,8 +183,9 @@ bool World::Parts::step_safely() {
   settings.integrator = kSafeScheme;
   settings.solver = solver;
   make_pattern();
-  held_nodes_changed();
+  bind_terms();
   bool ok = false;
+  last_resort = true;
   for (const int parts : kSafeParts) {
     restore_last_good();
     // The scheme's own memory is of no use to another.
@@ -173,21 +193,41 @@ bool World::Parts::step_safely() {
     state.v_before.resize(3, 0);
     state.dt_before = 0.0;
     substeps = parts;
-    refinements = kMaxHalvings;  // the last resort: what would cross stays where it is
-    ok = try_step(parts);
+    refinements = kMaxHalvings;  // what would cross stays where it is
+    ok = try_step(parts) && is_outside(depth) &&
+         (report.residual <= kDiverged || (book.is_possible(*model, state) && violation <= kLost));
     if (ok) break;
   }
+  last_resort = false;
   std::swap(scheme, integrator);
   settings = asked;
   dynamics.pattern = nullptr;
   if (integrator->needs().jacobian) make_pattern();
   const ContactConstraints touched = dynamics.contacts;
   const Kinematics held = dynamics.kinematics;
-  held_nodes_changed();
+  bind_terms();
   dynamics.kinematics = held;
   dynamics.contacts = touched;
-  if (ok) safe_until = good_state.time + settings.dt + kRemembered;
+  if (ok) {
+    safe_until = good_state.time + settings.dt + kRemembered;
+    book.hurry();
+  }
   return ok;
+}
+
+/// From the last good state: by the scene's scheme, or by the safe one where that finds none or what it left unsolved
+/// makes energy, as an explicit one may. Where bodies do not meet such a step is better than none, and told.
+bool World::Parts::step_somehow() {
+  const bool made = controller && controller->is_check_due() ? step_twice() : step_in_parts();
+  if (!made) return step_safely(std::numeric_limits<double>::infinity());
+  if (!makes_energy || (report.converged && integrator->needs().jacobian)) return true;
+  const int parts = substeps, begun = refinements;
+  if (step_safely(meetings ? std::numeric_limits<double>::infinity() : max_penetration)) return true;
+  if (meetings) return false;
+  restore_last_good();
+  substeps = parts;
+  refinements = begun;
+  return try_step(parts);
 }
 
 /// The step is made: what it says of itself.
@@ -227,8 +267,7 @@ StepOutcome World::step() {
   const double spent = w.cost.total();
   w.keep_last_good();
   w.substeps = w.wanted_parts();
-  const bool ok =
-      (w.controller && w.controller->is_check_due() ? w.step_twice() : w.step_in_parts()) || w.step_safely();
+  const bool ok = w.step_somehow();
 
   StepOutcome outcome;
   outcome.ok = ok;
