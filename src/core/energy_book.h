@@ -76,13 +76,13 @@ class EnergyBook {
   double power(const Dynamics& d, const State& s);
 
   int looks_ = 0;
-  int age_ = 0;                            // steps since the look
-  std::array<double, kLooks> level_{};     // J, at the last looks, with what was done since the look after
-  double drive_ = 0.0;                     // J/s, of wind, at the look
-  double work_ = 0.0, work_before_ = 0.0;  // J since the look, and when the step began
-  double allowed_ = 0.0;                   // J since the look, of wind
+  int age_ = 0;                                     // steps since the look
+  std::array<double, kLooks> level_{};              // J, at the last looks, with what was done since the look after
+  double drive_ = 0.0;                              // J/s, of wind, at the look
+  double work_ = 0.0, work_before_ = 0.0;           // J since the look, and when the step began
+  double allowed_ = 0.0;                            // J since the look, of wind
   double at_start_ = kUnknown, at_end_ = kUnknown;  // J, of the step, where has_gained() asked; else NaN
-  double mass_ = 0.0;                      // kg
+  double mass_ = 0.0;                               // kg
   double created_ = 0.0, lately_ = 0.0, scale_ = 0.0;
   Nodes force_;
   Nodes held_;  // m, held columns of x when the part began

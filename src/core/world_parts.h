@@ -63,7 +63,7 @@ struct World::Parts {
   // Of the last step.
   StepReport report;
   int substeps = 1;
-  int refinements = 0;  // how often the last step was begun anew in shorter parts
+  int refinements = 0;       // how often the last step was begun anew in shorter parts
   bool last_resort = false;  // step_safely() is at work
   double max_penetration = 0.0;
   double violation = 0.0;      // m, of the worst contact in any part of the step

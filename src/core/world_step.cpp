@@ -17,7 +17,7 @@ constexpr double kDiverged = 1e6;         // m/s^2: such a step is no solution a
 constexpr double kViolation = 0.0005;     // m: contacts that end so far inside are tried again in shorter parts
 constexpr double kLost = 0.005;           // m: the same, as often as it takes
 constexpr int kMaxRefinements = 2;
-constexpr double kOverlap = 0.001;  // m: bodies this far inside a collider are let out, which takes work
+constexpr double kOverlap = 0.001;      // m: bodies this far inside a collider are let out, which takes work
 constexpr double kUnsolvedGain = 0.05;  // of all energy, that a step which is no solution may err by
 constexpr double kExplicitGain = 0.25;  // the same, of an explicit one: the faster a mode the more its energy swings
 constexpr int kManyParts = 16;
@@ -171,8 +171,8 @@ bool World::Parts::is_outside(double depth) {
 }
 
 /// From the last good state, where the scene's scheme has found no step: implicit Euler with Newton's method given
-/// time, which loses energy but little else can upset. False when there is none either, or none that ends at most `depth`
-/// (m) inside a collider.
+/// time, which loses energy but little else can upset. False when there is none either, or none that ends at most
+/// `depth` (m) inside a collider.
 bool World::Parts::step_safely(double depth) {
   SolverSettings solver;
   solver.newton_iterations = kSafeIterations;

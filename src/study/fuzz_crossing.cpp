@@ -49,6 +49,8 @@ bool cross(const Part<2>& edge, const Part<3>& triangle, const Nodes& x) {
   return (ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0);
 }
 
+constexpr int kMostHeld = 4;  // of an edge's and a triangle's five nodes: held ones go through each other
+
 }  // namespace
 
 std::string find_crossing(const Model& model, const Nodes& x, const std::vector<char>& held) {
@@ -70,11 +72,11 @@ std::string find_crossing(const Model& model, const Nodes& x, const std::vector<
   }
   const auto is_held = [&held](int node) { return held[static_cast<size_t>(node)] != 0; };
   for (const Part<3>& t : triangles) {
-    const bool all_held = std::all_of(t.node.begin(), t.node.end(), is_held);
+    const auto of_triangle = std::count_if(t.node.begin(), t.node.end(), is_held);
     for (const Part<2>& e : edges) {
       if ((e.low.array() > t.high.array()).any() || (t.low.array() > e.high.array()).any()) continue;
       if (t.has(e.node[0]) || t.has(e.node[1]) || !kept_apart(model, e.body, t.body)) continue;
-      if (all_held && is_held(e.node[0]) && is_held(e.node[1])) continue;
+      if (of_triangle + std::count_if(e.node.begin(), e.node.end(), is_held) >= kMostHeld) continue;
       if (!cross(e, t, x)) continue;
       return model.bodies[static_cast<size_t>(e.body)].name + " through " +
              model.bodies[static_cast<size_t>(t.body)].name;

@@ -121,6 +121,24 @@ TEST(BodyContacts, PassNothingThroughHeldNodes) {
   EXPECT_GT(s.x(2, 13), 0.0003);
 }
 
+TEST(BodyContacts, ComeNoNearerThanWhereTheyStillHaveADirection) {
+  // Pressed down step after step, each of which may halve the distance: after 40 of them it would be nothing.
+  const auto model = two_sheets(0.03, Vec3(0.013, 0.027, 0));
+  BodyContacts contacts(model.get());
+  State s = model->initial;
+  Eigen::VectorXd inverse_mass = model->mass.cwiseInverse();
+  inverse_mass.head<9>().setZero();
+  for (int k = 0; k < 60; ++k) {
+    const Nodes before = s.x;
+    find(&contacts, s);
+    s.x.rightCols<9>().row(2).array() -= 0.004;
+    EXPECT_EQ(contacts.keep_apart(before, inverse_mass, kDt, &s), 0.0);
+    ASSERT_EQ(test::count_crossings(*model, s.x), 0) << k;
+  }
+  EXPECT_GT(s.x(2, 13), 0.9e-6);
+  EXPECT_LT(s.x(2, 13), 2e-6);
+}
+
 TEST(BodyContacts, NameWhatCrosses) {
   const auto model = two_sheets(0.05, Vec3(0.013, 0.027, 0));
   BodyContacts contacts(model.get());

@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kLeastShare = 0.1;     // of the distance asked for: what keep_apart() makes sure of
 constexpr double kLeastShareNow = 0.5;  // the same, of the distance at the start of the step
+constexpr double kNarrow = 1e-6;        // m: what is nearer comes no nearer, but a little apart again
+constexpr double kApart = 1.01;         // times the distance at the start, then
 constexpr double kEnough = 0.999;       // of it
 constexpr int kSweeps = 20;
 constexpr int kHalvings = 40;   // to place a plane
@@ -68,7 +70,8 @@ double CrossingGuard::find_failing(const Nodes& before, const Nodes& x, const Ei
     const double distance = start.apart.norm();
     if (distance < kTiny) return;
     const double asked = pieces_->radius_of(m.a->body) + pieces_->radius_of(m.b->body);
-    const Pair pair{m, start.apart / distance, std::min(kLeastShare * asked, kLeastShareNow * distance)};
+    const double kept = std::max(kLeastShareNow * distance, std::min(kApart * distance, kNarrow));
+    const Pair pair{m, start.apart / distance, std::min(kLeastShare * asked, kept)};
     const double gap = gap_along(pair.normal, m, x);
     if (gap >= kEnough * pair.least) return;
     bool free = false;
