@@ -127,6 +127,7 @@ struct World::Parts {
   void limit_strain(double h);
   bool state_is_sane() const;
   bool unsound_step_gains();
+  bool is_shortest() const;
   /// A finite step that had better be made again in shorter parts; `refinement` = how often that was done.
   bool is_poor(int refinement) const;
   /// Parts that this step needs: 1, or more for an explicit scheme past its stability limit.

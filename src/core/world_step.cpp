@@ -11,6 +11,7 @@ namespace deformable_sim {
 namespace {
 
 constexpr int kMaxHalvings = 6;
+constexpr int kMostParts = 512;           // of a step with a matrix, unless it had a quarter as many before
 constexpr double kFurthest = 1e6;         // m: beyond this a state counts as diverged
 constexpr double kGrossResidual = 100.0;  // m/s^2: an implicit step this far off is tried again in two parts
 constexpr double kDiverged = 1e6;         // m/s^2: such a step is no solution at all
@@ -92,7 +93,7 @@ void World::Parts::keep_bodies_apart(double h, const State& before) {
   violation = std::max(violation, BodyContacts::violation(before.x, state.x, dynamics.contacts));
   const double wanting = meetings->keep_apart(before.x, inverse_mass, h, &state);
   if (wanting > 0.0) violation = std::max(violation, kLost + wanting);
-  if (wanting > 0.0 && refinements >= kMaxHalvings) {
+  if (wanting > 0.0 && is_shortest()) {
     state.x = before.x;
     state.v.setZero();
   }
@@ -121,6 +122,12 @@ bool World::Parts::unsound_step_gains() {
   return book.has_gained(*model, dynamics, ignored, state, unsolved ? kUnsolvedGain : kExplicitGain);
 }
 
+/// Whether the parts of the present step are not halved any further.
+bool World::Parts::is_shortest() const {
+  return refinements >= kMaxHalvings ||
+         (refinements >= kMaxRefinements && integrator->needs().jacobian && substeps >= kMostParts);
+}
+
 bool World::Parts::is_poor(int refinement) const {
   // What an implicit contact gives way shrinks with the square of the part. A point far behind its plane is about to be
   // lost on the other side: worth more.
@@ -134,7 +141,7 @@ bool World::Parts::is_poor(int refinement) const {
 bool World::Parts::step_in_parts() {
   refinements = 0;
   bool ok = try_step(substeps);
-  while (refinements < kMaxHalvings && (!ok || is_poor(refinements))) {
+  while (!is_shortest() && (!ok || is_poor(refinements))) {
     restore_last_good();
     substeps *= 2;
     if (!integrator->needs().jacobian && (!ok || makes_energy)) {
