@@ -6,6 +6,7 @@ find_package(catkin REQUIRED COMPONENTS
   interactive_markers
   kdl_parser
   message_generation
+  pluginlib
   resource_retriever
   roscpp
   rosgraph_msgs
@@ -57,7 +58,8 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${PROJECT_NAME}_core ${PROJECT_NAME}_scene ${PROJECT_NAME}_ros
   CATKIN_DEPENDS
-    diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers message_runtime resource_retriever roscpp rosgraph_msgs roslib
+    diagnostic_msgs diagnostic_updater geometry_msgs interactive_markers message_runtime pluginlib resource_retriever roscpp rosgraph_msgs roslib
     sensor_msgs shape_msgs std_msgs std_srvs tf2_eigen tf2_msgs tf2_ros urdf visualization_msgs
   DEPENDS EIGEN3
+  CFG_EXTRAS ${PROJECT_NAME}-targets.cmake
 )

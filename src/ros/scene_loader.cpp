@@ -54,7 +54,7 @@ LoadedScene SceneLoader::build(SceneSpec spec) const {
   const bool follows = std::any_of(spec.grasps.begin(), spec.grasps.end(),
                                    [](const GraspSpec& grasp) { return !grasp.request.follow_frame.empty(); });
   if (!scene.attached.empty() || follows) frames_->open();
-  scene.world = build_world(spec, parameters_.threads);
+  scene.world = build_world(spec, parameters_.threads, plugins_);
 
   PublisherContext context;
   context.private_nh = private_nh_;

@@ -48,6 +48,24 @@ void add_air(const AirSpec& spec, const Parts& parts, Model* model) {
   }
 }
 
+void add_forces(const SceneSpec& spec, const std::shared_ptr<ForcePlugin>& plugins, Model* model) {
+  if (plugins && !spec.forces.empty()) model->plugins = plugins;
+  for (size_t k = 0; k < spec.forces.size(); ++k) {
+    const ForceSpec& force = spec.forces[k];
+    const std::string path = "forces[" + std::to_string(k) + "]";
+    try {
+      if (!plugins) throw InputError("only the node loads plugins", Code::kUnavailable);
+      std::unique_ptr<Energy> term = plugins->make(force.request, *model);
+      if (!term) throw InputError("plugin '" + force.request.plugin + "' has made no force", Code::kInternal);
+      model->energies.push_back(std::move(term));
+    } catch (const InputError& error) {
+      refuse_at(force.where, path + ": " + error.what(), error.code());
+    } catch (const std::exception& error) {
+      refuse_at(force.where, path + ": plugin '" + force.request.plugin + "': " + error.what(), Code::kInternal);
+    }
+  }
+}
+
 /// One kind of springs of all bodies, a term for each body.
 void add_springs(const char* name, std::vector<SpringLink> SpringNetwork::*links, Parts* parts, Model* model) {
   for (size_t k = 0; k < parts->springs.size(); ++k) {
@@ -286,7 +304,7 @@ WorldSettings settings_for(const SceneSpec& spec, const SolverChoice* choice) {
   return settings;
 }
 
-std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
+std::shared_ptr<const Model> build_model(const SceneSpec& spec, std::shared_ptr<ForcePlugin> plugins) {
   auto model = std::make_shared<Model>();
   Parts parts;
   int skin_vertices = 0;
@@ -342,11 +360,12 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec) {
   fill_mass_matrix(parts, model.get());
   if (spec.gravity.squaredNorm() > 0.0) model->energies.push_back(make_gravity(weights_of(*model), spec.gravity));
   add_air(spec.air, parts, model.get());
+  add_forces(spec, plugins, model.get());
   return model;
 }
 
-std::unique_ptr<World> build_world(const SceneSpec& spec, int threads) {
-  std::shared_ptr<const Model> model = build_model(spec);
+std::unique_ptr<World> build_world(const SceneSpec& spec, int threads, std::shared_ptr<ForcePlugin> plugins) {
+  std::shared_ptr<const Model> model = build_model(spec, std::move(plugins));
   SolverChoice choice;
   const bool open = spec.step.mode == SolverMode::kAuto;
   if (open) choice = choose_for(spec, *model, features_of(spec, *model), read_solver_table(solver_table_file()));

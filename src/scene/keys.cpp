@@ -7,6 +7,7 @@ namespace deformable_sim {
 namespace {
 
 const Range kCoordinate = between(-1000, 1000);
+const Range kAnyNumber = between(-1e12, 1e12);
 const Range kFriction = between(0, 10);
 const Range kRate = between(0, 1000);
 
@@ -291,6 +292,28 @@ Table<GraspText> grasp_table() {
   return t;
 }
 
+Table<ForceRequest> force_table() {
+  using F = ForceRequest;
+  Table<F> t("forces[]", "A force that a plugin makes (ROS only). See doc/extending.md.");
+  t.text("plugin", &F::plugin, "PACKAGE/CLASS, as its package exports it.").required();
+  t.text("body", &F::body, "The body it acts on; left out: all.");
+  t.add({"parameters", "map", "", "{}", "", "Numbers, or lists of numbers, by the names that the plugin knows."},
+        [](const YamlValue& v, const std::string& path, F* out) {
+          if (v.kind != YamlValue::Kind::kMap) refuse(v, path, "must be a map of numbers and lists of numbers");
+          for (const YamlValue& item : v.items) {
+            std::vector<double>& values = out->parameters[item.key];
+            const std::string item_path = path + "." + item.key;
+            if (item.kind != YamlValue::Kind::kList) {
+              values = {read_number(item, item_path, kAnyNumber)};
+              continue;
+            }
+            for (size_t k = 0; k < item.items.size(); ++k)
+              values.push_back(read_number(item.items[k], item_path + "[" + std::to_string(k) + "]", kAnyNumber));
+          }
+        });
+  return t;
+}
+
 Table<EventText> script_table() {
   using E = EventText;
   Table<E> t("script[]",
@@ -369,6 +392,7 @@ Table<SceneSpec> scene_table(const SceneListReaders& lists) {
          "Each a map with one key: box, sphere, cylinder, capsule, plane, cone, mesh or octomap."},
         lists.colliders);
   t.add({"grasps", "list", "", "[]", "", "Each a map. See grasps[]."}, lists.grasps);
+  t.add({"forces", "list", "", "[]", "", "Each a map. See forces[]."}, lists.forces);
   t.add({"script", "list", "", "[]", "", "Each a map, in the order of time. See script[]."}, lists.script);
   t.add({"robot", "map", "", "no robot", "", "See robot. `robot: {}` takes all links."},
         [](const YamlValue& v, const std::string& path, SceneSpec* scene) {

@@ -76,13 +76,14 @@ Table<BodySpec> soft_table();
 std::vector<TaggedTable> collider_tables();
 Table<SelectText> select_table();
 Table<GraspText> grasp_table();
+Table<ForceRequest> force_table();
 Table<EventText> script_table();
 Table<RobotSpec> robot_table();
 Table<OutputSpec> output_table();
-/// The whole scene; bodies, colliders, grasps and the script are read by the loader, which passes its reader for each
-/// entry.
+/// The whole scene; bodies, colliders, grasps, forces and the script are read by the loader, which passes its reader
+/// for each entry.
 struct SceneListReaders {
-  Table<SceneSpec>::Reader bodies, colliders, grasps, script;
+  Table<SceneSpec>::Reader bodies, colliders, grasps, forces, script;
 };
 Table<SceneSpec> scene_table(const SceneListReaders& lists);
 

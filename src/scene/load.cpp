@@ -43,6 +43,7 @@ class SceneReader {
         [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_bodies(v, path, out); },
         [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_colliders(v, path, out); },
         [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_grasps(v, path, out); },
+        [](const YamlValue& v, const std::string& path, SceneSpec* out) { read_forces(v, path, out); },
         [this](const YamlValue& v, const std::string& path, SceneSpec* out) { read_script(v, path, out); }};
     scene_table(lists).read(root, "", scene);
     if (const YamlValue* step = root.find("step")) choose_mode(*step, &scene->step);
@@ -252,16 +253,30 @@ class SceneReader {
     }
   }
 
+  static void read_forces(const YamlValue& list, const std::string& path, SceneSpec* scene) {
+    const std::vector<YamlValue>& items = read_list(list, path, "forces");
+    const Table<ForceRequest> table = force_table();
+    for (size_t k = 0; k < items.size(); ++k) {
+      const std::string entry_path = indexed(path, k);
+      ForceRequest request;
+      table.read(items[k], entry_path, &request);
+      if (const YamlValue* body = items[k].find("body")) find_body(*body, entry_path + ".body", *scene);
+      scene->forces.push_back({location_of(items[k]), std::move(request)});
+    }
+  }
+
+  static const BodySpec& find_body(const YamlValue& name, const std::string& path, const SceneSpec& scene) {
+    std::vector<std::string> names;
+    for (const BodySpec& body : scene.bodies) {
+      if (body.name == name.text) return body;
+      names.push_back(body.name);
+    }
+    refuse(name, path, "no body '" + name.text + "'; there is " + join(names), Code::kNotFound);
+  }
+
   static void check_selection(const YamlValue& entry, const std::string& path, const GraspText& text,
                               const SceneSpec& scene) {
-    const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
-                                   [&text](const BodySpec& b) { return b.name == text.request.body; });
-    if (body == scene.bodies.end()) {
-      std::vector<std::string> names;
-      for (const BodySpec& b : scene.bodies) names.push_back(b.name);
-      refuse(*entry.find("body"), path + ".body", "no body '" + text.request.body + "'; there is " + join(names),
-             Code::kNotFound);
-    }
+    const BodySpec* body = &find_body(*entry.find("body"), path + ".body", scene);
     const YamlValue& select = *entry.find("select");
     if (text.select.feature) {
       check_feature(*select.find("feature"), path + ".select.feature", body->name, *text.select.feature,

@@ -54,8 +54,8 @@ std::string scene_reference() {
     page += section(map, map.path);
   }
   for (const TaggedTable& tagged : collider_tables()) page += section(tagged.table.text(), tagged.table.text().path);
-  for (const MapText& map : {grasp_table().text(), select_table().text(), script_table().text(), robot_table().text(),
-                             output_table().text()}) {
+  for (const MapText& map : {grasp_table().text(), select_table().text(), force_table().text(), script_table().text(),
+                             robot_table().text(), output_table().text()}) {
     page += section(map, map.path);
   }
   return page;

@@ -1,4 +1,6 @@
 // Where scenes and the package's own files lie.
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -10,13 +12,32 @@
 namespace deformable_sim {
 namespace fs = std::filesystem;
 
+namespace {
+
+/// PREFIX/share/deformable_sim where an installation has its scenes, else empty.
+std::string share_of(const fs::path& prefix) {
+  std::error_code error;
+  const fs::path share = prefix / "share" / "deformable_sim";
+  return fs::is_directory(share / "config" / "scenes", error) ? share.string() : "";
+}
+
+/// Of the file that this code was loaded from: the library, or a program it was linked into.
+fs::path own_file() {
+  Dl_info info{};
+  const auto* place = reinterpret_cast<const void*>(&share_of);
+  return dladdr(place, &info) != 0 && info.dli_fname != nullptr ? fs::path(info.dli_fname) : fs::path();
+}
+
+}  // namespace
+
 std::string package_dir() {
   std::error_code error;
-  const fs::path executable = fs::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    const fs::path prefix = executable.parent_path().parent_path().parent_path();
-    const fs::path share = prefix / "share" / "deformable_sim";
-    if (fs::is_directory(share / "config" / "scenes", error)) return share.string();
+  // PREFIX/lib/deformable_sim/simulate; PREFIX/lib/library, or PREFIX/lib/TRIPLET/library; PREFIX/bin/simulate.
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path().parent_path();
+  const fs::path library = fs::weakly_canonical(own_file(), error).parent_path().parent_path();
+  for (const fs::path& prefix : {program.parent_path(), program, library, library.parent_path()}) {
+    const std::string share = prefix.empty() ? "" : share_of(prefix);
+    if (!share.empty()) return share;
   }
   return DEFORMABLE_SIM_PACKAGE_DIR;
 }

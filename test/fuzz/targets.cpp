@@ -27,7 +27,7 @@ namespace {
 
 // What is larger is loaded and not built: a fuzzer lives on many inputs.
 constexpr double kMostNodes = 100;
-constexpr size_t kBuiltOneIn = 4;  // of what loads, by what it says: the loader is what most changes concern
+constexpr size_t kBuiltOneIn = 4;      // of what loads, by what it says: the loader is what most changes concern
 constexpr double kLeastLattice = 0.2;  // m
 constexpr size_t kMostColliderFaces = 24;
 constexpr int kMostIterations = 30;

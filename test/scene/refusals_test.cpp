@@ -55,6 +55,18 @@ std::string with(const std::string& lines) {
   return kCloth + lines;
 }
 
+INSTANTIATE_TEST_SUITE_P(Forces, SceneRefusals,
+                         testing::Values(Refusal{"WithoutPlugins", kCloth + "forces:\n  - {plugin: a/B}\n",
+                                                 "s.yaml:8: forces[0]: only the node loads plugins"},
+                                         Refusal{"OfNoBody", kCloth + "forces:\n  - {plugin: a/B, body: shirt}\n",
+                                                 "s.yaml:8: forces[0].body: no body 'shirt'; there is sheet"},
+                                         Refusal{"WithWords",
+                                                 kCloth + "forces:\n  - {plugin: a/B, parameters: {at: [1, here]}}\n",
+                                                 "s.yaml:8: forces[0].parameters.at[1]: must be a number, not 'here'"},
+                                         Refusal{"WithoutName", kCloth + "forces:\n  - {body: sheet}\n",
+                                                 "s.yaml:8: forces[0].plugin: required, and missing"}),
+                         [](const auto& info) { return std::string(info.param.title); });
+
 INSTANTIATE_TEST_SUITE_P(
     Text, SceneRefusals,
     testing::Values(

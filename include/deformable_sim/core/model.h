@@ -67,6 +67,7 @@ struct Body {
 };
 
 struct Model {
+  std::shared_ptr<const void> plugins;  // whose code some of the energies are: it outlives them
   std::vector<Body> bodies;
   Eigen::VectorXd mass;                     // kg per node
   Eigen::SparseMatrix<double> mass_matrix;  // n x n, kg, consistent; empty: the masses above, lumped

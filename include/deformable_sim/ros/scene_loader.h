@@ -2,12 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/node_handle.h>
 
 #include "deformable_sim/ros/advertiser.h"
+#include "deformable_sim/ros/force_plugins.h"
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/parameters.h"
 #include "deformable_sim/ros/simulation.h"
@@ -30,6 +32,7 @@ class SceneLoader {
 
   ros::NodeHandle private_nh_;
   Advertiser advertiser_;  // one for all scenes of the node
+  std::shared_ptr<ForcePlugin> plugins_ = std::make_shared<ForcePlugins>();
   Parameters parameters_;
   Frames* frames_;
   Drag drag_grasp_;

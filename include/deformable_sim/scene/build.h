@@ -4,14 +4,17 @@
 #include <memory>
 #include <vector>
 
+#include "deformable_sim/core/force_plugin.h"
 #include "deformable_sim/core/world.h"
 #include "deformable_sim/scene/solver_choice.h"
 #include "deformable_sim/scene/spec.h"
 
 namespace deformable_sim {
 
-/// Model of the scene's bodies. Throws InputError naming file:line for what only the files behind it can show (meshes).
-std::shared_ptr<const Model> build_model(const SceneSpec& spec);
+/// Model of the scene's bodies. plugins: makes the terms of the scene's `forces` and lives as long as the model; null:
+/// a scene that has forces is refused. Throws InputError naming file:line for what only the files behind it can show
+/// (meshes).
+std::shared_ptr<const Model> build_model(const SceneSpec& spec, std::shared_ptr<ForcePlugin> plugins = nullptr);
 
 /// Pins, then the scene's own grasps.
 std::vector<GraspRequest> grasps_of(const SceneSpec& spec);
@@ -24,6 +27,7 @@ SolverChoice choose_for(const SceneSpec& spec, const Model& model, const SceneFe
 WorldSettings settings_for(const SceneSpec& spec, const SolverChoice* choice);
 
 /// Model, colliders and grasps, ready to step on so many threads.
-std::unique_ptr<World> build_world(const SceneSpec& spec, int threads = 1);
+std::unique_ptr<World> build_world(const SceneSpec& spec, int threads = 1,
+                                   std::shared_ptr<ForcePlugin> plugins = nullptr);
 
 }  // namespace deformable_sim

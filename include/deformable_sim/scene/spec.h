@@ -9,6 +9,7 @@
 
 #include "deformable_sim/core/command.h"
 #include "deformable_sim/core/contact/collider.h"
+#include "deformable_sim/core/force_plugin.h"
 #include "deformable_sim/core/grasp/grasp.h"
 #include "deformable_sim/core/world.h"
 
@@ -193,6 +194,12 @@ struct GraspSpec {
   GraspRequest request;  // pose in the world frame
 };
 
+/// A term that a plugin makes.
+struct ForceSpec {
+  Location where;
+  ForceRequest request;
+};
+
 /// A command that is given by itself once the simulated time is reached.
 struct ScriptEvent {
   Location where;
@@ -258,6 +265,7 @@ struct SceneSpec {
   std::vector<BodySpec> bodies;
   std::vector<ColliderSpec> colliders;
   std::vector<GraspSpec> grasps;
+  std::vector<ForceSpec> forces;
   std::vector<ScriptEvent> script;  // in the order of time
   RobotSpec robot;
   OutputSpec outputs;

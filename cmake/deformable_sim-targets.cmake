@@ -1,0 +1,32 @@
+# After find_package(deformable_sim) in a catkin workspace: deformable_sim::core, ::scene and ::ros as targets, as an
+# installation without ROS has them (but for ::ros).
+find_package(Eigen3 REQUIRED)
+foreach(part core scene ros)
+  if(TARGET deformable_sim::${part})
+    continue()
+  endif()
+  if(TARGET deformable_sim_${part})
+    add_library(deformable_sim::${part} ALIAS deformable_sim_${part})
+    continue()
+  endif()
+  set(deformable_sim_file "")
+  foreach(library ${deformable_sim_LIBRARIES})
+    if(library MATCHES "libdeformable_sim_${part}[.]")
+      set(deformable_sim_file "${library}")
+    endif()
+  endforeach()
+  if(NOT deformable_sim_file)
+    message(FATAL_ERROR "deformable_sim: no library deformable_sim_${part} among ${deformable_sim_LIBRARIES}")
+  endif()
+  add_library(deformable_sim::${part} UNKNOWN IMPORTED)
+  set_target_properties(deformable_sim::${part} PROPERTIES
+    IMPORTED_LOCATION "${deformable_sim_file}"
+    INTERFACE_INCLUDE_DIRECTORIES "${deformable_sim_INCLUDE_DIRS}")
+endforeach()
+get_target_property(deformable_sim_imported deformable_sim::core IMPORTED)
+if(deformable_sim_imported)
+  set_target_properties(deformable_sim::core PROPERTIES INTERFACE_LINK_LIBRARIES Eigen3::Eigen)
+  set_target_properties(deformable_sim::scene PROPERTIES INTERFACE_LINK_LIBRARIES deformable_sim::core)
+  set_target_properties(deformable_sim::ros PROPERTIES
+    INTERFACE_LINK_LIBRARIES "deformable_sim::scene;${deformable_sim_LIBRARIES}")
+endif()
