@@ -84,9 +84,9 @@ void World::Parts::make_meetings() {
   if (meeting < 2 && !alone) return;
   meetings = std::make_unique<BodyContacts>(model.get());
   dynamics.bodies_meet = meeting > 1;
-  const std::string crossing = meetings->find_crossing(model->initial.x);
-  if (!crossing.empty()) {
-    throw InputError(crossing + " at the start; place them apart, or leave out touches for one of them");
+  start_crosses = meetings->find_crossing(model->initial.x);
+  if (!start_crosses.empty() && !settings.may_start_crossed) {
+    throw InputError(start_crosses + " at the start; place them apart, or leave out touches for one of them");
   }
 }
 

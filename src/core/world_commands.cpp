@@ -99,6 +99,9 @@ Reply World::apply(const Command& any) {
       w.integrator->reset();
     }
     void operator()(const command::Reset&) {
+      if (!w.start_crosses.empty())
+        throw InputError(w.start_crosses + " where they start; load a scene, or remove one of them",
+                         Code::kUnavailable);
       w.start();
       if (w.contacts) w.contacts->forget_sides();
     }

@@ -88,6 +88,8 @@ struct World::Parts {
   Nodes coarse_x, coarse_v;  // of step_twice()
   std::vector<FrameMotion> good_grasps, good_colliders;
 
+  std::string start_crosses;  // bodies that may touch, where they start; empty: none
+
   /// What the schemes' matrices are made of, as far as this scene needs any.
   void make_pattern();
   /// Throws InputError where bodies that may not cross do from the start.

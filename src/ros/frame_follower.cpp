@@ -32,8 +32,19 @@ void FrameFollower::begin(const std::vector<Collider>& attached, const std::vect
     follower.absent = collider;
     followers_.push_back(std::move(follower));
   }
+  keep(grasps);
+}
+
+void FrameFollower::keep(const std::vector<GraspReport>& grasps) {
+  std::vector<std::string> gone;
+  for (const Follower& follower : followers_) {
+    const auto is_it = [&](const GraspReport& grasp) { return grasp.name == follower.name; };
+    if (follower.kind == Kind::kGrasp && std::none_of(grasps.begin(), grasps.end(), is_it))
+      gone.push_back(follower.name);
+  }
+  for (const std::string& name : gone) remove(Kind::kGrasp, name);
   for (const GraspReport& grasp : grasps) {
-    if (grasp.follow_frame.empty()) continue;
+    if (grasp.follow_frame.empty() || !frame_of(grasp.name).empty()) continue;
     Follower follower;
     follower.name = grasp.name;
     follower.frame = grasp.follow_frame;

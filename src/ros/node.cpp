@@ -13,6 +13,7 @@
 
 #include "deformable_sim/ros/commands.h"
 #include "deformable_sim/ros/convert.h"
+#include "deformable_sim/ros/live_parameters.h"
 #include "deformable_sim/ros/network_files.h"
 #include "deformable_sim/ros/topic_keeper.h"
 
@@ -60,10 +61,13 @@ class Node {
                 [this](const std::string& grasp, const geometry_msgs::PoseStamped& target) {
                   topics_.target(grasp, target);
                 }),
-        services_(nh_, parameters_, &simulation_, &frames_, &loader_, &files_) {}
+        changes_(&simulation_, &loader_, &files_),
+        live_(nh_, &changes_, &warnings_),
+        services_(nh_, parameters_, &simulation_, &frames_, &changes_, &files_) {}
 
   void run() {
-    LoadedScene scene = loader_.from_file(parameters_.scene, AllowedPaths());
+    LoadedScene scene = loader_.build(loader_.read(parameters_.scene, "", AllowedPaths()));
+    const SceneSpec spec = scene.spec;
     if (!ros::ok()) return;
     if (parameters_.publish_clock) {
       check_no_other_clock();
@@ -72,6 +76,7 @@ class Node {
     ros::AsyncSpinner spinner(kCallbackThreads);
     services_.start();
     topics_.start();
+    live_.start(spec);
     TopicKeeper keeper(services_.names());
     const auto names_changed = [&](const TopicNames& names, std::shared_ptr<PublisherSet> publishers) {
       keeper.post([this, names, publishers] {
@@ -105,6 +110,8 @@ class Node {
   Simulation simulation_;
   CommandTopics topics_;
   SceneLoader loader_;
+  SceneChanges changes_;
+  LiveParameters live_;
   Services services_;
   ros::Publisher clock_;
 };

@@ -107,7 +107,11 @@ class Reader {
   }
 
   const ros::NodeHandle& nh_;
-  std::set<std::string> known_{"diagnostic_period", "robot_description"};  // read by others under this namespace
+  // Of others under this namespace, dynamic_reconfigure among them.
+  std::set<std::string> known_{
+      "accuracy",  "air_damping",       "color_by",     "diagnostic_period", "friction",  "gravity_x", "gravity_y",
+      "gravity_z", "robot_description", "strain_range", "stress_range",      "tolerance", "wind_x",    "wind_y",
+      "wind_z"};
 };
 
 ClockMode to_clock_mode(const std::string& text) {

@@ -32,15 +32,26 @@ SceneLoader::SceneLoader(const ros::NodeHandle& private_nh, const Parameters& pa
                          Drag drag_grasp)
     : private_nh_(private_nh), parameters_(parameters), frames_(frames), drag_grasp_(std::move(drag_grasp)) {}
 
-LoadedScene SceneLoader::from_file(const std::string& file, const AllowedPaths& files) const {
-  return build(load_scene_file(find_scene(file, parameters_.scene_dir, files), {}, files));
+SceneSpec SceneLoader::read(const std::string& file, const std::string& yaml, const AllowedPaths& files) const {
+  if (file.empty() == yaml.empty()) throw InputError("file, yaml: one of the two must be given, the other empty");
+  if (file.empty()) return load_scene_text(yaml, "yaml", {}, files);
+  return load_scene_file(find_scene(file, parameters_.scene_dir, files), {}, files);
 }
 
-LoadedScene SceneLoader::from_text(const std::string& yaml, const AllowedPaths& files) const {
-  return build(load_scene_text(yaml, "yaml", {}, files));
+LoadedScene SceneLoader::changed(SceneSpec spec, double dt) const {
+  return build_for(std::move(spec), dt);
 }
 
-LoadedScene SceneLoader::build(SceneSpec spec) const {
+LoadedScene SceneLoader::shown_otherwise(SceneSpec spec, std::shared_ptr<const Model> model) const {
+  LoadedScene scene;
+  scene.attached = take_attached(&spec);
+  scene.publishers = publishers_of(spec, std::move(model));
+  scene.script = Script(spec.script);
+  scene.spec = std::move(spec);
+  return scene;
+}
+
+LoadedScene SceneLoader::build_for(SceneSpec spec, std::optional<double> running_dt) const {
   LoadedScene scene;
   scene.attached = take_attached(&spec);
   if (spec.robot.present) {
@@ -54,21 +65,25 @@ LoadedScene SceneLoader::build(SceneSpec spec) const {
   const bool follows = std::any_of(spec.grasps.begin(), spec.grasps.end(),
                                    [](const GraspSpec& grasp) { return !grasp.request.follow_frame.empty(); });
   if (!scene.attached.empty() || follows) frames_->open();
-  scene.world = build_world(spec, parameters_.threads, plugins_);
+  scene.world = build_world(spec, parameters_.threads, plugins_, running_dt);
+  scene.publishers = publishers_of(spec, scene.world->shared_model());
+  scene.script = Script(spec.script);
+  scene.spec = std::move(spec);
+  return scene;
+}
 
+std::shared_ptr<PublisherSet> SceneLoader::publishers_of(const SceneSpec& spec,
+                                                         std::shared_ptr<const Model> model) const {
   PublisherContext context;
   context.private_nh = private_nh_;
   context.advertiser = advertiser_;
   context.frame_id = parameters_.frame_id;
   context.node_name = ros::this_node::getName().substr(1);
-  context.model = scene.world->shared_model();
+  context.model = std::move(model);
   if (parameters_.clock == ClockMode::kRealTime && !parameters_.publish_clock) context.loaded = ros::Time::now();
   context.outputs = spec.outputs;
   context.drag_grasp = drag_grasp_;
-  scene.publishers = make_publishers(context, parameters_);
-  scene.script = Script(spec.script);
-  scene.spec = std::move(spec);
-  return scene;
+  return make_publishers(context, parameters_);
 }
 
 }  // namespace deformable_sim

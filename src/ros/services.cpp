@@ -12,47 +12,13 @@
 #include "deformable_sim/ros/grasp_requests.h"
 #include "deformable_sim/ros/obstacles.h"
 #include "deformable_sim/ros/state_messages.h"
+#include "serve.h"
 
 namespace deformable_sim {
 
 namespace {
 
 constexpr double kMostSteps = 1e6;  // of one call
-
-/// OK may carry a note: accepted, but limited.
-Status answer(const Reply& reply) {
-  Status status = reply.status;
-  if (status.ok()) status.message = reply.note;
-  return status;
-}
-
-/// The status of what `action` returns or throws. A refusal is an answer: the call itself succeeds.
-template <typename Action>
-Status guarded(const Action& action) {
-  try {
-    return action();
-  } catch (const InputError& error) {
-    return {error.code(), error.what()};
-  } catch (const std::exception& error) {
-    return {Code::kInternal, error.what()};
-  }
-}
-
-template <typename Request, typename Response, typename Handler>
-ros::ServiceServer serve(ros::NodeHandle nh, const std::string& name, Handler handler) {
-  auto options = careful_service<Request, Response>(name, [handler](Request& request, Response& response) {
-    handler(request, &response);
-    return true;
-  });
-  return nh.advertiseService(options);
-}
-
-/// std_srvs answer with success and message.
-template <typename Response>
-void fill_std(const Status& status, Response* response) {
-  response->success = status.ok();
-  response->message = status.message;
-}
 
 Nodes to_nodes(const std::vector<double>& values, const Body& body, const std::string& what) {
   if (values.size() != 3 * static_cast<std::size_t>(body.node_count)) {
@@ -97,12 +63,12 @@ const Body& find_body(const Model& model, const std::string& name) {
 }  // namespace
 
 Services::Services(const ros::NodeHandle& private_nh, const Parameters& parameters, Simulation* simulation,
-                   Frames* frames, const SceneLoader* loader, const AllowedPaths* files)
+                   Frames* frames, SceneChanges* changes, const AllowedPaths* files)
     : nh_(private_nh),
       frame_id_(parameters.frame_id),
       simulation_(simulation),
       frames_(frames),
-      loader_(loader),
+      changes_(changes),
       files_(files),
       saved_states_(parameters.state_dir) {}
 
@@ -110,6 +76,7 @@ void Services::start() {
   advertise_grasps();
   advertise_time();
   advertise_scene();
+  advertise_changes();
 }
 
 std::vector<std::string> Services::names() const {
@@ -189,14 +156,6 @@ void Services::advertise_scene() {
         fill_std(guarded([&] { return answer(simulation_->describe(&text)); }), response);
         if (response->success) response->message = text;
       }));
-  servers_.push_back(serve<msg::LoadSceneRequest, msg::LoadSceneResponse>(nh_, "load_scene",
-                                                                          [this](const auto& request, auto* response) {
-                                                                            const Status status = guarded([&] {
-                                                                              load(request);
-                                                                              return Status();
-                                                                            });
-                                                                            fill(status, &response->status);
-                                                                          }));
   servers_.push_back(serve<msg::AddObstacleRequest, msg::AddObstacleResponse>(
       nh_, "add_obstacle", [this](const auto& request, auto* response) {
         fill(guarded([&] { return answer(add_obstacle(request)); }), &response->status);
@@ -237,18 +196,6 @@ void Services::step(const msg::StepRequest& request, msg::StepResponse* response
     return answer.status;
   });
   fill(status, &response->status);
-}
-
-void Services::load(const msg::LoadSceneRequest& request) {
-  const std::unique_lock<std::mutex> lock(loading_, std::try_to_lock);
-  if (!lock) throw InputError("another scene is being loaded", Code::kUnavailable);
-  if (request.file.empty() == request.yaml.empty()) {
-    throw InputError("file, yaml: one of the two must be given, the other empty");
-  }
-  LoadedScene scene =
-      request.yaml.empty() ? loader_->from_file(request.file, *files_) : loader_->from_text(request.yaml, *files_);
-  const Reply reply = simulation_->replace(std::move(scene));
-  if (!reply.status.ok()) throw InputError(reply.status.message, reply.status.code);
 }
 
 Reply Services::add_obstacle(const msg::AddObstacleRequest& request) {

@@ -133,6 +133,20 @@ Reply Simulation::replace(LoadedScene scene) {
       kDeadline);
 }
 
+Reply Simulation::change(LoadedScene scene) {
+  const auto box = std::make_shared<LoadedScene>(std::move(scene));
+  return queue_.call([this, box] { return change_now(box.get()); }, kDeadline);
+}
+
+Reply Simulation::scene(SceneSpec* spec) {
+  return queue_.call(
+      [this, spec] {
+        *spec = scene_.spec;
+        return Reply();
+      },
+      kDeadline);
+}
+
 Reply Simulation::save(SavedState* state) {
   return queue_.call(
       [this, state] {
@@ -386,17 +400,43 @@ void Simulation::end_steps(const Status& status) {
   run->finished.notify_all();
 }
 
+/// The old world is left in `scene`, to be destroyed by whoever asked.
+Reply Simulation::change_now(LoadedScene* scene) {
+  if (!failure_.empty()) {
+    return refused(Code::kUnavailable,
+                   "the simulation failed (" + failure_ + "); ~reset, ~restore_state or ~load_scene first");
+  }
+  try {
+    if (scene->world) scene->world->continue_from(*scene_.world);
+  } catch (const InputError& error) {
+    return refused(error.code(), error.what());
+  }
+  scene->script.go_on_like(scene_.script);
+  if (!scene->world) std::swap(scene->world, scene_.world);
+  std::swap(scene_, *scene);
+  show_model();
+  follower_.keep(scene_.world->grasp_reports());
+  ++version_;
+  note_names();
+  return Reply();
+}
+
 /// After a scene was loaded or reset: simulated time is 0 again.
 void Simulation::begin_world() {
+  show_model();
+  scene_.script.restart();
+  follower_.begin(scene_.attached, scene_.world->grasp_reports());
+  begin_time();
+}
+
+/// Whoever asks sees the world there is now, on its topics too.
+void Simulation::show_model() {
   {
     const std::lock_guard<std::mutex> lock(model_mutex_);
     model_ = scene_.world->shared_model();
     dt_ = scene_.world->settings().dt;
   }
-  scene_.script.restart();
   outputs_.use(scene_.publishers);
-  follower_.begin(scene_.attached, scene_.world->grasp_reports());
-  begin_time();
 }
 
 /// Simulated time has jumped to that of the world.

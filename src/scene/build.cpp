@@ -364,13 +364,20 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec, std::shared_ptr<
   return model;
 }
 
-std::unique_ptr<World> build_world(const SceneSpec& spec, int threads, std::shared_ptr<ForcePlugin> plugins) {
+std::unique_ptr<World> build_world(const SceneSpec& asked, int threads, std::shared_ptr<ForcePlugin> plugins,
+                                   std::optional<double> running_dt) {
+  SceneSpec spec = asked;
+  if (running_dt) {
+    spec.step.dt = *running_dt;
+    spec.step.dt_given = true;
+  }
   std::shared_ptr<const Model> model = build_model(spec, std::move(plugins));
   SolverChoice choice;
   const bool open = spec.step.mode == SolverMode::kAuto;
   if (open) choice = choose_for(spec, *model, features_of(spec, *model), read_solver_table(solver_table_file()));
   WorldSettings settings = settings_for(spec, open ? &choice : nullptr);
   settings.threads = threads;
+  settings.may_start_crossed = running_dt.has_value();
   std::vector<Collider> colliders;
   for (const ColliderSpec& collider : spec.colliders) colliders.push_back(collider.collider);
   check_grasps(all_grasps(spec), *model);

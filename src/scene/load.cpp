@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <sstream>
 
 #include "body_rules.h"
@@ -13,6 +14,7 @@
 #include "deformable_sim/scene/tet_mesh_file.h"
 #include "features.h"
 #include "keys.h"
+#include "scene_tree.h"
 
 namespace deformable_sim {
 namespace {
@@ -113,11 +115,14 @@ class SceneReader {
     }
   }
 
+  /// Relative paths are so to the file that an entry stands in; what is set from outside has none of its own.
+  const std::string& base_of(const YamlValue& entry) const { return entry.line > 0 ? entry.origin : scene_file_; }
+
   /// The path to open of the file that `key` of `entry` names.
   std::string file_of(const YamlValue& entry, const std::string& path, const std::string& key,
                       const std::string& name) const {
     try {
-      const std::string file = files_.check(resolve_mesh(name, scene_file_));
+      const std::string file = files_.check(resolve_mesh(name, base_of(entry)));
       for (const std::string& part : tet_mesh_parts(file)) files_.check(part);
       return file;
     } catch (const InputError& error) {
@@ -398,8 +403,14 @@ SceneSpec load_scene_text(const std::string& yaml, const std::string& origin, co
     throw InputError(origin + ":1: the scene is empty; it needs at least `bodies`");
   }
   for (const auto& [path, value] : overrides) override_value(path, value, &root);
+  return load_scene_tree(std::move(root), origin, files);
+}
+
+SceneSpec load_scene_tree(YamlValue root, const std::string& origin, const AllowedPaths& files) {
   SceneSpec scene;
   SceneReader(origin, files).read(root, &scene);
+  scene.origin = origin;
+  scene.source = std::make_shared<const YamlValue>(std::move(root));
   return scene;
 }
 

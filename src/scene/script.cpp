@@ -15,6 +15,13 @@ void Script::go_on_after(std::size_t events) {
   next_ = events;
 }
 
+void Script::go_on_like(const Script& other) {
+  next_ = events_.size();
+  if (other.next_ == other.events_.size()) return;
+  const double left = other.events_[other.next_].time;  // all before are taken, and those of one time together
+  for (next_ = 0; next_ < events_.size() && events_[next_].time < left;) ++next_;
+}
+
 Reply play(Script* script, World* world) {
   Reply all;
   while (const ScriptEvent* event = script->take(world->time())) {

@@ -25,6 +25,7 @@ struct WorldSettings {
   std::string chosen;               // why these, where the scene left it open; shown to people
   double grasp_max_speed = 1.0;     // m/s, for grasps that name none
   double collider_max_speed = 5.0;  // m/s, faster moves are spread over steps
+  bool may_start_crossed = false;   // of a world that is to continue_from() another: Reset is refused where it does
   int threads = 1;                  // 1 ... Workers::kMost; the bits of a result do not depend on it
 };
 
@@ -67,6 +68,12 @@ class World {
   std::string save();
   /// Throws InputError and changes nothing: bytes that save() did not write, or a world of another scene or solver.
   void restore(const std::string& bytes);
+
+  /// Takes over what another world with the same dt has come to: its time, its colliders and, of every body that both
+  /// have with as many nodes, motion and grasps, which replace those this world began with. Bodies that only this one
+  /// has start now. What friction and the scheme remember begins anew: what rests may creep by 20 um. Throws InputError
+  /// and changes nothing where a new body crosses another (kUnavailable), or brings a grasp whose name is in use.
+  void continue_from(const World& before);
 
   double time() const;
   std::uint64_t step_count() const;

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,7 @@
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/messages.h"
 #include "deformable_sim/ros/saved_states.h"
-#include "deformable_sim/ros/scene_loader.h"
+#include "deformable_sim/ros/scene_changes.h"
 #include "deformable_sim/ros/simulation.h"
 #include "deformable_sim/ros/warnings.h"
 
@@ -49,7 +48,7 @@ class CommandTopics {
 class Services {
  public:
   Services(const ros::NodeHandle& private_nh, const Parameters& parameters, Simulation* simulation, Frames* frames,
-           const SceneLoader* loader, const AllowedPaths* files);
+           SceneChanges* changes, const AllowedPaths* files);
 
   void start();
   /// Full names.
@@ -59,8 +58,8 @@ class Services {
   void advertise_grasps();
   void advertise_time();
   void advertise_scene();
+  void advertise_changes();
   void step(const msg::StepRequest& request, msg::StepResponse* response);
-  void load(const msg::LoadSceneRequest& request);
   void get_state(const msg::GetStateRequest& request, msg::GetStateResponse* response);
   void get_distance(const msg::GetDistanceRequest& request, msg::GetDistanceResponse* response);
   void set_state(const msg::SetStateRequest& request, msg::SetStateResponse* response);
@@ -70,10 +69,9 @@ class Services {
   std::string frame_id_;
   Simulation* simulation_;
   Frames* frames_;
-  const SceneLoader* loader_;
+  SceneChanges* changes_;
   const AllowedPaths* files_;
   SavedStates saved_states_;
-  std::mutex loading_;
   std::vector<ros::ServiceServer> servers_;
 };
 

@@ -30,6 +30,8 @@ class FrameFollower {
   void begin(const std::vector<Collider>& attached, const std::vector<GraspReport>& grasps);
   /// A command that the world accepted: begin or stop following what it names.
   void applied(const Command& command);
+  /// The bodies have changed, and with them the grasps there are.
+  void keep(const std::vector<GraspReport>& grasps);
   /// frame_from_collider of a collider that `applied` is about to see with a frame.
   void attach(const Collider& collider, const Pose& frame_from_collider);
   /// The frame that moves a grasp or a collider; empty when none does.

@@ -5,6 +5,7 @@
 #pragma once
 
 #define deformable_sim deformable_sim_msgs
+#include <deformable_sim/AddBody.h>
 #include <deformable_sim/AddObstacle.h>
 #include <deformable_sim/BodyMesh.h>
 #include <deformable_sim/ContactArray.h>
@@ -17,9 +18,11 @@
 #include <deformable_sim/LoadScene.h>
 #include <deformable_sim/MoveGrasp.h>
 #include <deformable_sim/Release.h>
+#include <deformable_sim/RemoveBody.h>
 #include <deformable_sim/RemoveObstacle.h>
 #include <deformable_sim/RestoreState.h>
 #include <deformable_sim/SaveState.h>
+#include <deformable_sim/SetMaterial.h>
 #include <deformable_sim/SetState.h>
 #include <deformable_sim/SimStatus.h>
 #include <deformable_sim/Step.h>

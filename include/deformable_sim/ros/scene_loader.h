@@ -3,7 +3,9 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/node_handle.h>
@@ -23,12 +25,19 @@ class SceneLoader {
 
   SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames, Drag drag_grasp);
 
-  /// A path, or the bare name of a scene in ~scene_dir; `files` are those that may be opened for it. Throws InputError.
-  LoadedScene from_file(const std::string& file, const AllowedPaths& files) const;
-  LoadedScene from_text(const std::string& yaml, const AllowedPaths& files) const;
+  /// What stands in one of the two, the other being empty: in a file, a path or the bare name of a scene in ~scene_dir,
+  /// or in a text. `files` are those that may be opened for it. All throw InputError.
+  SceneSpec read(const std::string& file, const std::string& yaml, const AllowedPaths& files) const;
+  LoadedScene build(SceneSpec spec) const { return build_for(std::move(spec), {}); }
+  /// For Simulation::change(): of a scene whose steps take dt s.
+  LoadedScene changed(SceneSpec spec, double dt) const;
+  /// The same where only its outputs have changed; `model` is the running one.
+  LoadedScene shown_otherwise(SceneSpec spec, std::shared_ptr<const Model> model) const;
 
  private:
-  LoadedScene build(SceneSpec spec) const;
+  LoadedScene build_for(SceneSpec spec, std::optional<double> running_dt) const;
+  /// Topics of the scene.
+  std::shared_ptr<PublisherSet> publishers_of(const SceneSpec& spec, std::shared_ptr<const Model> model) const;
 
   ros::NodeHandle private_nh_;
   Advertiser advertiser_;  // one for all scenes of the node

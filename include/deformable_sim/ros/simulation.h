@@ -65,6 +65,12 @@ class Simulation {
   Reply pause(bool paused);
   Reply reset();
   Reply replace(LoadedScene scene);
+  /// The scene with changes, as SceneLoader::changed() built it, in place of the running one: time goes on, and what
+  /// both have stays as it is. Without a world the bodies stay too, and only what is shown changes. Refused, it changes
+  /// nothing.
+  Reply change(LoadedScene scene);
+  /// What the running scene was made of.
+  Reply scene(SceneSpec* spec);
   Reply save(SavedState* state);
   /// Refused, it changes nothing.
   Reply restore(SavedState state);
@@ -87,7 +93,9 @@ class Simulation {
   Reply attach_now(const Collider& collider, const Pose& frame_from_collider);
   Reply all_now(const std::vector<Command>& commands);
   Reply start_steps(const std::shared_ptr<StepRun>& run);
+  Reply change_now(LoadedScene* scene);
   void begin_world();
+  void show_model();
   void begin_time();
   void note_names();
   void end_steps(const Status& status);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "deformable_sim/core/force_plugin.h"
@@ -26,8 +27,10 @@ SolverChoice choose_for(const SceneSpec& spec, const Model& model, const SceneFe
 /// Scheme, solver and step of a world: those the scene names, or those of a choice where it has one (null: none).
 WorldSettings settings_for(const SceneSpec& spec, const SolverChoice* choice);
 
-/// Model, colliders and grasps, ready to step on so many threads.
+/// Model, colliders and grasps, ready to step on so many threads. running_dt: of a world that this one is to
+/// continue_from(), and so its own.
 std::unique_ptr<World> build_world(const SceneSpec& spec, int threads = 1,
-                                   std::shared_ptr<ForcePlugin> plugins = nullptr);
+                                   std::shared_ptr<ForcePlugin> plugins = nullptr,
+                                   std::optional<double> running_dt = {});
 
 }  // namespace deformable_sim

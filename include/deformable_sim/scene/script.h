@@ -28,6 +28,8 @@ class Script {
   /// How many events were taken, and from there on. Throws InputError when there are not as many.
   std::size_t taken() const { return next_; }
   void go_on_after(std::size_t events);
+  /// From where another has come to, of which this one has some of the events.
+  void go_on_like(const Script& other);
 
  private:
   std::vector<ScriptEvent> events_;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@
 #include "deformable_sim/core/world.h"
 
 namespace deformable_sim {
+
+struct YamlValue;
 
 /// Where a value stands, for messages: file:line; line 0 = not in a file (an override), `file` says it all.
 struct Location {
@@ -256,9 +259,11 @@ struct OutputSpec {
 };
 
 struct SceneSpec {
-  std::string file;           // as given; empty for text
-  std::string title;          // one line
-  Vec3 gravity{0, 0, -9.81};  // m/s^2
+  std::string file;                         // as given; empty for text
+  std::string origin;                       // of messages, and base of relative paths
+  std::shared_ptr<const YamlValue> source;  // what was read, for scene/edit.h; null in a scene made by hand
+  std::string title;                        // one line
+  Vec3 gravity{0, 0, -9.81};                // m/s^2
   AirSpec air;
   StepSpec step;
   double grasp_max_speed = 1.0;  // m/s

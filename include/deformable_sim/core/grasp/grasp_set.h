@@ -34,6 +34,10 @@ class GraspSet {
   /// Nodes of this body were put elsewhere: rigid grasps hold them where they are now. Returns whether any moved.
   bool hold_in_place(int body, const State& s);
 
+  /// Grasps of bodies that `before` holds as well become those of there, as they are; `is_continued` says of which
+  /// bodies of this model. Throws InputError (kAlreadyExists) where one of another body has the name of one of those.
+  void continue_from(const GraspSet& before, const std::vector<char>& is_continued);
+
   bool empty() const { return grasps_.empty(); }
   /// Held nodes and angle columns, ascending; targets and reactions sized.
   Kinematics kinematics();
