@@ -1,5 +1,7 @@
 # Messages and services, and everything of ROS that the node and the demo are built with.
 find_package(catkin REQUIRED COMPONENTS
+  actionlib
+  actionlib_msgs
   diagnostic_msgs
   diagnostic_updater
   dynamic_reconfigure
@@ -33,10 +35,16 @@ add_message_files(DIRECTORY msg FILES
   GraspSelection.msg
   GraspState.msg
   GraspStateArray.msg
+  GraspTrajectory.msg
+  GraspTrajectoryPoint.msg
   Obstacle.msg
   Octomap.msg
+  RolloutPlan.msg
+  RolloutResult.msg
+  RolloutSample.msg
   SimStatus.msg
   Status.msg
+  TimedGraspCommand.msg
 )
 add_service_files(DIRECTORY srv FILES
   AddBody.srv
@@ -51,19 +59,21 @@ add_service_files(DIRECTORY srv FILES
   RemoveBody.srv
   RemoveObstacle.srv
   RestoreState.srv
+  Rollout.srv
   SaveState.srv
   SetMaterial.srv
   SetState.srv
   Step.srv
 )
+add_action_files(DIRECTORY action FILES FollowGraspTrajectory.action)
 generate_dynamic_reconfigure_options(cfg/Live.cfg)
-generate_messages(DEPENDENCIES geometry_msgs shape_msgs std_msgs)
+generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs shape_msgs std_msgs)
 
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${PROJECT_NAME}_core ${PROJECT_NAME}_scene ${PROJECT_NAME}_ros
   CATKIN_DEPENDS
-    diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs interactive_markers message_runtime pluginlib resource_retriever roscpp rosgraph_msgs roslib
+    actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs interactive_markers message_runtime pluginlib resource_retriever roscpp rosgraph_msgs roslib
     sensor_msgs shape_msgs std_msgs std_srvs tf2_eigen tf2_msgs tf2_ros urdf visualization_msgs
   DEPENDS EIGEN3
   CFG_EXTRAS ${PROJECT_NAME}-targets.cmake

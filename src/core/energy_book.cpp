@@ -136,7 +136,7 @@ void EnergyBook::forget() {
 }
 
 void EnergyBook::pass(Archive* archive) {
-  begin();
+  if (!archive->looks_on()) begin();
   archive->pass(&created_);
   archive->pass(&lately_);
   archive->pass(&scale_);

@@ -66,11 +66,10 @@ std::vector<std::string> identity_of(const Model& model, const WorldSettings& se
   return lines;
 }
 
-void pass_identity(const Model& model, const WorldSettings& settings, Archive* archive) {
+void pass_identity(const std::vector<std::string>& here, Archive* archive) {
   int layout = kLayout;
   archive->pass(&layout);
   if (layout != kLayout) Archive::refuse("of another version of this package");
-  const std::vector<std::string> here = identity_of(model, settings);
   std::vector<std::string> there = here;
   archive->pass(&there);
   for (size_t k = 0; k < std::max(here.size(), there.size()); ++k) {
@@ -118,9 +117,12 @@ void pass_report(Archive* archive, StepReport* report) {
 }  // namespace
 
 void World::Parts::pass(Archive* archive) {
-  stable_dt_age = -1;
-  integrator->reset();
-  pass_identity(*model, settings, archive);
+  if (!archive->looks_on()) {
+    stable_dt_age = -1;
+    integrator->reset();
+  }
+  if (identity.empty()) identity = identity_of(*model, settings);
+  pass_identity(identity, archive);
   archive->pass(&step_count);
   if (step_count > (std::uint64_t{1} << 52)) Archive::refuse("more steps than can be");
   colliders.pass(initial_colliders, archive);
@@ -155,11 +157,18 @@ std::string World::save() {
   return archive.bytes();
 }
 
+std::string World::copy() const {
+  Archive archive = Archive::looking_on();
+  parts_->pass(&archive);
+  return archive.bytes();
+}
+
 void World::restore(const std::string& bytes) {
   Parts& now = *parts_;
   // Meshes of colliders that came later need not be built anew either.
   std::vector<Collider> initial = now.initial_colliders;
   auto fresh = std::make_unique<Parts>(now.model, now.settings, initial, now.initial_grasps);
+  fresh->identity = now.identity;
   Archive archive(bytes);
   const std::vector<Collider>& present = now.colliders.colliders();
   fresh->initial_colliders.insert(fresh->initial_colliders.end(), present.begin(), present.end());

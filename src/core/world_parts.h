@@ -62,6 +62,7 @@ struct World::Parts {
 
   // Of the last step.
   StepReport report;
+  std::vector<std::string> identity;  // for saved states; found when one is first written or read
   int substeps = 1;
   int refinements = 0;       // how often the last step was begun anew in shorter parts
   bool last_resort = false;  // step_safely() is at work

@@ -1,4 +1,4 @@
-// Services that change the running scene.
+// Services that change the running scene, or a copy of it.
 #include "deformable_sim/ros/commands.h"
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/grasp_requests.h"
@@ -37,6 +37,14 @@ void Services::advertise_changes() {
       serve<msg::RemoveBodyRequest, msg::RemoveBodyResponse>(nh_, "remove_body", [this](const auto& q, auto* response) {
         const Status status = guarded([&] {
           changes_->remove_body(printable(q.body));
+          return Status();
+        });
+        fill(status, &response->status);
+      }));
+  servers_.push_back(
+      serve<msg::RolloutRequest, msg::RolloutResponse>(nh_, "rollout", [this](const auto& q, auto* response) {
+        const Status status = guarded([&] {
+          rollouts_->run(q, response);
           return Status();
         });
         fill(status, &response->status);

@@ -32,6 +32,7 @@ ForcePlugin* ForcePlugins::find(const std::string& name) {
 }
 
 std::unique_ptr<Energy> ForcePlugins::make(const ForceRequest& request, const Model& model) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   return find(request.plugin)->make(request, model);
 }
 

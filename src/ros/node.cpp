@@ -16,6 +16,7 @@
 #include "deformable_sim/ros/live_parameters.h"
 #include "deformable_sim/ros/network_files.h"
 #include "deformable_sim/ros/topic_keeper.h"
+#include "deformable_sim/ros/trajectory_action.h"
 
 namespace deformable_sim {
 
@@ -63,7 +64,9 @@ class Node {
                 }),
         changes_(&simulation_, &loader_, &files_),
         live_(nh_, &changes_, &warnings_),
-        services_(nh_, parameters_, &simulation_, &frames_, &changes_, &files_) {}
+        rollouts_(&simulation_, &loader_, &frames_, parameters_.frame_id),
+        services_(nh_, parameters_, &simulation_, &frames_, &changes_, &rollouts_, &files_),
+        trajectories_(nh_, &simulation_, &frames_, parameters_.frame_id) {}
 
   void run() {
     LoadedScene scene = loader_.build(loader_.read(parameters_.scene, "", AllowedPaths()));
@@ -77,6 +80,7 @@ class Node {
     services_.start();
     topics_.start();
     live_.start(spec);
+    trajectories_.start();
     TopicKeeper keeper(services_.names());
     const auto names_changed = [&](const TopicNames& names, std::shared_ptr<PublisherSet> publishers) {
       keeper.post([this, names, publishers] {
@@ -97,6 +101,7 @@ class Node {
     ROS_INFO_NAMED("simulation", "running");
     ros::waitForShutdown();
     simulation_.stop();
+    trajectories_.stop();
     keeper.stop();
     spinner.stop();
   }
@@ -112,7 +117,9 @@ class Node {
   SceneLoader loader_;
   SceneChanges changes_;
   LiveParameters live_;
+  Rollouts rollouts_;
   Services services_;
+  TrajectoryAction trajectories_;
   ros::Publisher clock_;
 };
 

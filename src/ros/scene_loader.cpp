@@ -67,9 +67,16 @@ LoadedScene SceneLoader::build_for(SceneSpec spec, std::optional<double> running
   if (!scene.attached.empty() || follows) frames_->open();
   scene.world = build_world(spec, parameters_.threads, plugins_, running_dt);
   scene.publishers = publishers_of(spec, scene.world->shared_model());
+  scene.running_dt = running_dt;
   scene.script = Script(spec.script);
   scene.spec = std::move(spec);
   return scene;
+}
+
+std::unique_ptr<World> SceneLoader::copy_of(const Fork& fork) const {
+  std::unique_ptr<World> world = build_world(fork.spec, 1, plugins_, fork.running_dt);
+  world->restore(fork.world);
+  return world;
 }
 
 std::shared_ptr<PublisherSet> SceneLoader::publishers_of(const SceneSpec& spec,

@@ -63,12 +63,13 @@ const Body& find_body(const Model& model, const std::string& name) {
 }  // namespace
 
 Services::Services(const ros::NodeHandle& private_nh, const Parameters& parameters, Simulation* simulation,
-                   Frames* frames, SceneChanges* changes, const AllowedPaths* files)
+                   Frames* frames, SceneChanges* changes, Rollouts* rollouts, const AllowedPaths* files)
     : nh_(private_nh),
       frame_id_(parameters.frame_id),
       simulation_(simulation),
       frames_(frames),
       changes_(changes),
+      rollouts_(rollouts),
       files_(files),
       saved_states_(parameters.state_dir) {}
 

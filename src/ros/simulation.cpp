@@ -53,6 +53,20 @@ struct Simulation::StepRun {
   StepAnswer answer;
 };
 
+void TrajectoryRun::tell(const TrajectoryProgress& progress, ros::Time stamp) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  progress_ = progress;
+  stamp_ = stamp;
+  if (progress_.is_over) over_.notify_all();
+}
+
+TrajectoryProgress TrajectoryRun::wait(double seconds, ros::Time* stamp) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  over_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return progress_.is_over; });
+  *stamp = stamp_;
+  return progress_;
+}
+
 Simulation::Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings)
     : parameters_(parameters),
       frames_(frames),
@@ -115,6 +129,7 @@ Reply Simulation::reset() {
   return queue_.call(
       [this] {
         end_steps({Code::kUnavailable, "the simulation was reset"});
+        end_trajectories({Code::kUnavailable, "the simulation was reset"}, scene_.world.get());
         return apply_now(command::Reset{});
       },
       kDeadline);
@@ -126,6 +141,7 @@ Reply Simulation::replace(LoadedScene scene) {
   return queue_.call(
       [this, box] {
         end_steps({Code::kUnavailable, "another scene was loaded"});
+        end_trajectories({Code::kUnavailable, "another scene was loaded"}, nullptr);
         std::swap(scene_, *box);
         begin_world();
         return Reply();
@@ -142,6 +158,50 @@ Reply Simulation::scene(SceneSpec* spec) {
   return queue_.call(
       [this, spec] {
         *spec = scene_.spec;
+        return Reply();
+      },
+      kDeadline);
+}
+
+Reply Simulation::fork(Fork* fork) {
+  return queue_.call(
+      [this, fork] {
+        fork->spec = scene_.spec;
+        fork->running_dt = scene_.running_dt;
+        fork->world = scene_.world->copy();
+        fork->script = scene_.script;
+        fork->time = scene_.world->time();
+        fork->stamp = pacer_.stamp(fork->time);
+        return Reply();
+      },
+      kDeadline);
+}
+
+Reply Simulation::follow(TrajectoryGoal goal, std::shared_ptr<TrajectoryRun> run) {
+  return queue_.call(
+      [this, goal = std::move(goal), run = std::move(run)] {
+        try {
+          for (const GraspTrajectory& trajectory : goal.trajectories)
+            for (const auto& other : trajectories_)
+              if (other.first.moves(trajectory.grasp))
+                return refused(Code::kUnavailable, "another trajectory moves '" + trajectory.grasp + "'");
+          TrajectoryFollower follower(goal, *scene_.world);
+          run->tell(follower.progress(), pacer_.stamp(scene_.world->time()));
+          trajectories_.emplace_back(std::move(follower), run);
+        } catch (const InputError& error) {
+          return refused(error.code(), error.what());
+        }
+        return Reply();
+      },
+      kDeadline);
+}
+
+Reply Simulation::stop_following(const std::shared_ptr<TrajectoryRun>& run, const Status& why) {
+  return queue_.call(
+      [this, run, why] {
+        for (auto& [follower, its_run] : trajectories_)
+          if (its_run == run) follower.stop(why, scene_.world.get());
+        follow_trajectories();
         return Reply();
       },
       kDeadline);
@@ -175,6 +235,7 @@ Reply Simulation::restore(SavedState state) {
           return refused(error.code(), box->scene + ": " + error.what());
         }
         end_steps({Code::kUnavailable, "another state was restored"});
+        end_trajectories({Code::kUnavailable, "another state was restored"}, nullptr);
         begin_time();
         return Reply();
       },
@@ -246,6 +307,7 @@ void Simulation::run() {
   }
   queue_.close();
   end_steps({Code::kUnavailable, "the node is shutting down"});
+  end_trajectories({Code::kUnavailable, "the node is shutting down"}, nullptr);
 }
 
 bool Simulation::wants_to_step() const {
@@ -257,6 +319,7 @@ void Simulation::advance() {
   const auto began = SpeedMeter::Clock::now();
   play_script();
   follower_.update(scene_.world.get());
+  for (auto& [follower, run] : trajectories_) follower.before_step(scene_.world.get());
   StepOutcome outcome;
   try {
     outcome = scene_.world->step();
@@ -272,8 +335,11 @@ void Simulation::advance() {
                                              << scene_.world->time() << " s: " << failure_
                                              << "; ~reset, ~restore_state or ~load_scene recovers");
     end_steps({Code::kInternal, failure_});
+    end_trajectories({Code::kInternal, failure_}, scene_.world.get());
     return;
   }
+  for (auto& [follower, run] : trajectories_) follower.after_step(scene_.world.get());
+  follow_trajectories();
   watch_speed(seconds_since(began), began);
   if (time_changed_) time_changed_(scene_.world->time());
   if (steps_ && ++steps_->answer.steps >= steps_->wanted) end_steps(Status());
@@ -289,6 +355,19 @@ void Simulation::play_script() {
     warnings_->set("script", text);
     ROS_WARN_STREAM_NAMED("simulation", text);
   }
+}
+
+/// Tells how trajectories go, and forgets those that are over.
+void Simulation::follow_trajectories() {
+  for (auto& [follower, run] : trajectories_) run->tell(follower.progress(), pacer_.stamp(scene_.world->time()));
+  trajectories_.erase(std::remove_if(trajectories_.begin(), trajectories_.end(),
+                                     [](const auto& entry) { return entry.first.progress().is_over; }),
+                      trajectories_.end());
+}
+
+void Simulation::end_trajectories(const Status& why, World* world) {
+  for (auto& [follower, run] : trajectories_) follower.stop(why, world);
+  follow_trajectories();
 }
 
 void Simulation::watch_speed(double cost, SpeedMeter::Clock::time_point began) {
@@ -352,6 +431,10 @@ Reply Simulation::apply_now(const Command& command) {
   if (const auto* move = std::get_if<command::MoveGrasp>(&command)) moved = move->name;
   if (const auto* move = std::get_if<command::MoveCollider>(&command)) moved = move->name;
   const std::string frame = moved.empty() ? "" : follower_.frame_of(moved);
+  for (const auto& entry : trajectories_) {
+    if (!entry.first.moves(moved)) continue;
+    return refused(Code::kUnavailable, "'" + moved + "' is moved along a trajectory; cancel ~follow_trajectory first");
+  }
   if (!frame.empty()) {
     return refused(Code::kInvalidArgument, "'" + moved + "' follows tf frame " + frame + " and takes no targets");
   }
@@ -412,7 +495,10 @@ Reply Simulation::change_now(LoadedScene* scene) {
     return refused(error.code(), error.what());
   }
   scene->script.go_on_like(scene_.script);
-  if (!scene->world) std::swap(scene->world, scene_.world);
+  if (!scene->world) {
+    std::swap(scene->world, scene_.world);
+    scene->running_dt = scene_.running_dt;
+  }
   std::swap(scene_, *scene);
   show_model();
   follower_.keep(scene_.world->grasp_reports());

@@ -46,4 +46,44 @@ geometry_msgs::Wrench wrench_message(const GraspReport& grasp) {
   return wrench;
 }
 
+std::vector<msg::GraspState> grasp_state_messages(const Snapshot& snapshot, const std::string& frame_id,
+                                                  ros::Time stamp) {
+  std::vector<msg::GraspState> states;
+  for (const GraspReport& grasp : snapshot.grasps) {
+    msg::GraspState state;
+    state.header.frame_id = frame_id;
+    state.header.stamp = stamp;
+    state.name = grasp.name;
+    state.body = grasp.body;
+    state.nodes.assign(grasp.nodes.begin(), grasp.nodes.end());
+    state.state = static_cast<std::uint8_t>(grasp.phase);
+    state.pose = to_message(grasp.world_from_grasp);
+    state.wrench = wrench_message(grasp);
+    state.load = grasp.load;
+    states.push_back(std::move(state));
+  }
+  return states;
+}
+
+std::vector<msg::Contact> contact_messages(const Snapshot& snapshot) {
+  std::vector<msg::Contact> contacts;
+  for (const ContactReport& c : snapshot.contacts) {
+    msg::Contact contact;
+    if (c.collider >= 0) {
+      const Collider& collider = snapshot.colliders[static_cast<std::size_t>(c.collider)];
+      contact.collider = collider.name;
+      contact.link = collider.frame;
+    } else {
+      contact.collider = snapshot.model->bodies[static_cast<std::size_t>(c.other)].name;
+    }
+    contact.body = snapshot.model->bodies[static_cast<std::size_t>(c.body)].name;
+    contact.point = to_point(c.point);
+    contact.normal = to_vector(c.normal);
+    contact.force = to_vector(c.force);
+    contact.distance = c.distance;
+    contacts.push_back(std::move(contact));
+  }
+  return contacts;
+}
+
 }  // namespace deformable_sim

@@ -23,7 +23,15 @@ class Archive {
   /// Reads.
   explicit Archive(std::string bytes) : bytes_(std::move(bytes)), reads_(true) {}
 
+  /// Writes what goes on as if it had not been written: it keeps what it would else make anew, as its copy will.
+  static Archive looking_on() {
+    Archive archive;
+    archive.looks_on_ = true;
+    return archive;
+  }
+
   bool reads() const { return reads_; }
+  bool looks_on() const { return looks_on_; }
   /// What was written.
   const std::string& bytes() const { return bytes_; }
   /// Reading is over. Throws InputError when something is left.
@@ -70,7 +78,7 @@ class Archive {
 
   std::string bytes_;
   std::size_t at_ = 0;
-  bool reads_ = false;
+  bool reads_ = false, looks_on_ = false;
 };
 
 }  // namespace deformable_sim

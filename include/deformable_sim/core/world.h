@@ -66,6 +66,9 @@ class World {
   /// another on the same kind of processor, with any number of threads. What is kept only to be quicker (factors, which
   /// pieces are near) is made anew by both: a world that was never saved goes on alike within its solver's tolerance.
   std::string save();
+  /// The same bytes, of a world that goes on as if they had not been taken. A world that restores them goes on as this
+  /// one within its solver's tolerance.
+  std::string copy() const;
   /// Throws InputError and changes nothing: bytes that save() did not write, or a world of another scene or solver.
   void restore(const std::string& bytes);
 

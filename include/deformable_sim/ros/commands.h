@@ -10,6 +10,7 @@
 
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/messages.h"
+#include "deformable_sim/ros/rollouts.h"
 #include "deformable_sim/ros/saved_states.h"
 #include "deformable_sim/ros/scene_changes.h"
 #include "deformable_sim/ros/simulation.h"
@@ -48,7 +49,7 @@ class CommandTopics {
 class Services {
  public:
   Services(const ros::NodeHandle& private_nh, const Parameters& parameters, Simulation* simulation, Frames* frames,
-           SceneChanges* changes, const AllowedPaths* files);
+           SceneChanges* changes, Rollouts* rollouts, const AllowedPaths* files);
 
   void start();
   /// Full names.
@@ -70,6 +71,7 @@ class Services {
   Simulation* simulation_;
   Frames* frames_;
   SceneChanges* changes_;
+  Rollouts* rollouts_;
   const AllowedPaths* files_;
   SavedStates saved_states_;
   std::vector<ros::ServiceServer> servers_;

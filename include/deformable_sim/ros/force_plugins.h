@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "deformable_sim/core/force_plugin.h"
@@ -30,6 +31,7 @@ class ForcePlugins : public ForcePlugin {
  private:
   ForcePlugin* find(const std::string& name);
 
+  std::mutex mutex_;                                             // copies of a world are built on threads of their own
   std::unique_ptr<pluginlib::ClassLoader<ForcePlugin>> loader_;  // when first needed: it looks through all packages
   std::map<std::string, std::shared_ptr<ForcePlugin>> plugins_;
 };

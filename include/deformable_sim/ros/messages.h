@@ -9,6 +9,7 @@
 #include <deformable_sim/AddObstacle.h>
 #include <deformable_sim/BodyMesh.h>
 #include <deformable_sim/ContactArray.h>
+#include <deformable_sim/FollowGraspTrajectoryAction.h>
 #include <deformable_sim/GetDistance.h>
 #include <deformable_sim/GetState.h>
 #include <deformable_sim/Grasp.h>
@@ -21,6 +22,7 @@
 #include <deformable_sim/RemoveBody.h>
 #include <deformable_sim/RemoveObstacle.h>
 #include <deformable_sim/RestoreState.h>
+#include <deformable_sim/Rollout.h>
 #include <deformable_sim/SaveState.h>
 #include <deformable_sim/SetMaterial.h>
 #include <deformable_sim/SetState.h>

@@ -34,6 +34,9 @@ class SceneLoader {
   /// The same where only its outputs have changed; `model` is the running one.
   LoadedScene shown_otherwise(SceneSpec spec, std::shared_ptr<const Model> model) const;
 
+  /// On one thread.
+  std::unique_ptr<World> copy_of(const Fork& fork) const;
+
  private:
   LoadedScene build_for(SceneSpec spec, std::optional<double> running_dt) const;
   /// Topics of the scene.

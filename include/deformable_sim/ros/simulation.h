@@ -7,9 +7,11 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "deformable_sim/core/world.h"
@@ -21,6 +23,7 @@
 #include "deformable_sim/ros/warnings.h"
 #include "deformable_sim/scene/script.h"
 #include "deformable_sim/scene/state_file.h"
+#include "deformable_sim/scene/trajectory_follower.h"
 
 namespace deformable_sim {
 
@@ -28,9 +31,34 @@ namespace deformable_sim {
 struct LoadedScene {
   SceneSpec spec;
   std::unique_ptr<World> world;
-  std::vector<Collider> attached;  // moved by tf, relative to their frames; not in the world yet
+  std::optional<double> running_dt;  // the world was built to go on with this dt
+  std::vector<Collider> attached;    // moved by tf, relative to their frames; not in the world yet
   Script script;
   std::shared_ptr<PublisherSet> publishers;
+};
+
+/// A copy of a running simulation, to be built.
+struct Fork {
+  SceneSpec spec;
+  std::optional<double> running_dt;  // as LoadedScene
+  std::string world;                 // World::copy()
+  Script script;
+  double time = 0.0;  // s
+  ros::Time stamp;    // of that time
+};
+
+/// A trajectory somebody waits for.
+class TrajectoryRun {
+ public:
+  void tell(const TrajectoryProgress& progress, ros::Time stamp);
+  /// What was told last. Waits until it is over, at most `seconds` (wall).
+  TrajectoryProgress wait(double seconds, ros::Time* stamp);
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable over_;
+  TrajectoryProgress progress_;
+  ros::Time stamp_;
 };
 
 /// All public functions may be called from any thread; they wait for the simulation thread unless they say otherwise.
@@ -71,6 +99,12 @@ class Simulation {
   Reply change(LoadedScene scene);
   /// What the running scene was made of.
   Reply scene(SceneSpec* spec);
+  /// All that a copy of the running world is made of; it goes on as if nobody had asked.
+  Reply fork(Fork* fork);
+  /// Moves grasps from the next step on; `run` tells how it goes. A grasp moved so takes no other targets.
+  Reply follow(TrajectoryGoal goal, std::shared_ptr<TrajectoryRun> run);
+  /// Grasps stop where they are.
+  Reply stop_following(const std::shared_ptr<TrajectoryRun>& run, const Status& why);
   Reply save(SavedState* state);
   /// Refused, it changes nothing.
   Reply restore(SavedState state);
@@ -88,6 +122,8 @@ class Simulation {
   void run();
   void advance();
   void play_script();
+  void follow_trajectories();
+  void end_trajectories(const Status& why, World* world);
   bool wants_to_step() const;
   Reply apply_now(const Command& command);
   Reply attach_now(const Collider& collider, const Pose& frame_from_collider);
@@ -126,6 +162,7 @@ class Simulation {
   double given_up_before_ = 0.0;
   std::uint64_t version_ = 0;
   std::shared_ptr<StepRun> steps_;
+  std::vector<std::pair<TrajectoryFollower, std::shared_ptr<TrajectoryRun>>> trajectories_;
 
   mutable std::mutex model_mutex_;
   std::shared_ptr<const Model> model_;

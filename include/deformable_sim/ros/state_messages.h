@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <ros/time.h>
 
@@ -11,6 +12,12 @@
 namespace deformable_sim {
 
 msg::BodyState body_state_message(const Snapshot& snapshot, int body, const std::string& frame_id, ros::Time stamp);
+
+std::vector<msg::GraspState> grasp_state_messages(const Snapshot& snapshot, const std::string& frame_id,
+                                                  ros::Time stamp);
+
+/// Of the snapshot's contacts.
+std::vector<msg::Contact> contact_messages(const Snapshot& snapshot);
 
 /// Wrench in the grasp frame, about its origin.
 geometry_msgs::Wrench wrench_message(const GraspReport& grasp);

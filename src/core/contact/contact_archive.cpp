@@ -122,7 +122,7 @@ void ContactFinder::pass(Archive* archive) {
 }
 
 void BodyContacts::pass(Archive* archive) {
-  pieces_.forget();
+  if (!archive->looks_on()) pieces_.forget();
   archive->pass(&rate_);
   memory_.pass(archive, [archive](ContactPlace* place) { place->pass(archive); });
 }

@@ -7,6 +7,7 @@
 #include "deformable_sim/ros/messages.h"
 #include "deformable_sim/ros/publishers/makers.h"
 #include "deformable_sim/ros/publishers/named_topics.h"
+#include "deformable_sim/ros/state_messages.h"
 
 namespace deformable_sim {
 
@@ -21,26 +22,10 @@ class Contacts : public TopicsPublisher {
   bool shows_contacts() const override { return true; }
 
   void publish(const Instant& instant) override {
-    const Snapshot& snapshot = instant.snapshot;
     msg::ContactArray message;
     message.header.frame_id = frame_id_;
     message.header.stamp = instant.stamp;
-    for (const ContactReport& c : snapshot.contacts) {
-      msg::Contact contact;
-      if (c.collider >= 0) {
-        const Collider& collider = snapshot.colliders[static_cast<std::size_t>(c.collider)];
-        contact.collider = collider.name;
-        contact.link = collider.frame;
-      } else {
-        contact.collider = snapshot.model->bodies[static_cast<std::size_t>(c.other)].name;
-      }
-      contact.body = snapshot.model->bodies[static_cast<std::size_t>(c.body)].name;
-      contact.point = to_point(c.point);
-      contact.normal = to_vector(c.normal);
-      contact.force = to_vector(c.force);
-      contact.distance = c.distance;
-      message.contacts.push_back(std::move(contact));
-    }
+    message.contacts = contact_messages(instant.snapshot);
     topics_[0].publish(message);
   }
 

@@ -20,18 +20,7 @@ class Grasps : public TopicsPublisher {
     msg::GraspStateArray message;
     message.header.frame_id = frame_id_;
     message.header.stamp = instant.stamp;
-    for (const GraspReport& grasp : instant.snapshot.grasps) {
-      msg::GraspState state;
-      state.header = message.header;
-      state.name = grasp.name;
-      state.body = grasp.body;
-      state.nodes.assign(grasp.nodes.begin(), grasp.nodes.end());
-      state.state = static_cast<std::uint8_t>(grasp.phase);
-      state.pose = to_message(grasp.world_from_grasp);
-      state.wrench = wrench_message(grasp);
-      state.load = grasp.load;
-      message.grasps.push_back(std::move(state));
-    }
+    message.grasps = grasp_state_messages(instant.snapshot, frame_id_, instant.stamp);
     topics_[0].publish(message);
   }
 
