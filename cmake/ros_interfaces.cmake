@@ -42,6 +42,7 @@ add_message_files(DIRECTORY msg FILES
   RolloutPlan.msg
   RolloutResult.msg
   RolloutSample.msg
+  SegmentLabels.msg
   SimStatus.msg
   Status.msg
   TimedGraspCommand.msg

@@ -58,7 +58,7 @@ class Node {
         frames_(parameters_.frame_id, parameters_.tf_timeout),
         simulation_(parameters_, &frames_, &warnings_),
         topics_(nh_, &simulation_, &frames_, &warnings_, &files_),
-        loader_(nh_, parameters_, &frames_,
+        loader_(nh_, parameters_, &frames_, &warnings_,
                 [this](const std::string& grasp, const geometry_msgs::PoseStamped& target) {
                   topics_.target(grasp, target);
                 }),

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "deformable_sim/ros/publishers/makers.h"
 #include "deformable_sim/ros/publishers/registry.h"
 
 namespace deformable_sim {
@@ -11,6 +12,10 @@ namespace {
 constexpr double kHandlesPeriod = 0.1;    // s
 constexpr double kRepeatPeriod = 1.0;     // s; also of diagnostics (REP 107)
 constexpr double kShortestPeriod = 1e-3;  // s
+
+double period_of(double hertz) {
+  return hertz > 0.0 ? std::max(kShortestPeriod, 1.0 / hertz) : 0.0;
+}
 
 double period_of(Rate rate, const OutputSpec& outputs, const Parameters& parameters) {
   double hertz = 0.0;
@@ -29,7 +34,7 @@ double period_of(Rate rate, const OutputSpec& outputs, const Parameters& paramet
     case Rate::kDiagnostics:
       return kRepeatPeriod;
   }
-  return hertz > 0.0 ? std::max(kShortestPeriod, 1.0 / hertz) : 0.0;
+  return period_of(hertz);
 }
 
 }  // namespace
@@ -38,6 +43,11 @@ std::shared_ptr<PublisherSet> make_publishers(const PublisherContext& context, c
   auto set = std::make_shared<PublisherSet>();
   for (const PublisherEntry& entry : publisher_registry()) {
     set->entries.push_back({entry.make(context), period_of(entry.rate, context.outputs, parameters), entry.repeats});
+  }
+  const auto ids = std::make_shared<SegmentIds>();
+  for (const CameraParameters& camera : parameters.cameras) {
+    // Repeated, for its frame may have moved, or be known at last.
+    set->entries.push_back({make_camera_publisher(context, camera, ids), period_of(camera.rate), true});
   }
   return set;
 }

@@ -40,6 +40,11 @@ class Reader {
     }
   }
 
+  void read(const char* key, std::vector<CameraParameters>* value) {
+    XmlRpc::XmlRpcValue raw;
+    if (fetch(key, &raw)) *value = to_cameras(raw);
+  }
+
   void read(const char* key, bool* value) {
     XmlRpc::XmlRpcValue raw;
     if (!fetch(key, &raw)) return;
@@ -140,6 +145,7 @@ std::string summary(const Parameters& p) {
        << (p.publish_clock ? " (publishes /clock)" : "") << ", rates: markers " << rate(p.rate_markers) << ", points "
        << rate(p.rate_points) << ", state " << rate(p.rate_state) << ", threads " << p.threads << ", tf_timeout "
        << p.tf_timeout << " s, when late " << to_string(p.when_late) << (p.start_paused ? ", starts paused" : "");
+  for (const CameraParameters& camera : p.cameras) line << ", camera " << camera.name;
   return line.str();
 }
 
@@ -186,6 +192,7 @@ Parameters read_parameters(const ros::NodeHandle& private_nh) {
   reader.read_real("rate_markers", 0.0, 1000.0, &p.rate_markers);
   reader.read_real("rate_points", 0.0, 1000.0, &p.rate_points);
   reader.read_real("rate_state", 0.0, 1000.0, &p.rate_state);
+  reader.read("cameras", &p.cameras);
   reader.read("threads", 1, 64, &p.threads);
   std::string when_late = to_string(p.when_late);
   reader.read("when_late", &when_late);

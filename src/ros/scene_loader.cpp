@@ -29,8 +29,12 @@ std::vector<Collider> take_attached(SceneSpec* spec) {
 }  // namespace
 
 SceneLoader::SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames,
-                         Drag drag_grasp)
-    : private_nh_(private_nh), parameters_(parameters), frames_(frames), drag_grasp_(std::move(drag_grasp)) {}
+                         Warnings* warnings, Drag drag_grasp)
+    : private_nh_(private_nh),
+      parameters_(parameters),
+      frames_(frames),
+      warnings_(warnings),
+      drag_grasp_(std::move(drag_grasp)) {}
 
 SceneSpec SceneLoader::read(const std::string& file, const std::string& yaml, const AllowedPaths& files) const {
   if (file.empty() == yaml.empty()) throw InputError("file, yaml: one of the two must be given, the other empty");
@@ -64,7 +68,9 @@ LoadedScene SceneLoader::build_for(SceneSpec spec, std::optional<double> running
   }
   const bool follows = std::any_of(spec.grasps.begin(), spec.grasps.end(),
                                    [](const GraspSpec& grasp) { return !grasp.request.follow_frame.empty(); });
-  if (!scene.attached.empty() || follows) frames_->open();
+  const bool looks = std::any_of(parameters_.cameras.begin(), parameters_.cameras.end(),
+                                 [this](const auto& camera) { return camera.frame != parameters_.frame_id; });
+  if (!scene.attached.empty() || follows || looks) frames_->open();
   scene.world = build_world(spec, parameters_.threads, plugins_, running_dt);
   scene.publishers = publishers_of(spec, scene.world->shared_model());
   scene.running_dt = running_dt;
@@ -89,6 +95,8 @@ std::shared_ptr<PublisherSet> SceneLoader::publishers_of(const SceneSpec& spec,
   context.model = std::move(model);
   if (parameters_.clock == ClockMode::kRealTime && !parameters_.publish_clock) context.loaded = ros::Time::now();
   context.outputs = spec.outputs;
+  context.frames = frames_;
+  context.warnings = warnings_;
   context.drag_grasp = drag_grasp_;
   return make_publishers(context, parameters_);
 }

@@ -588,6 +588,10 @@ std::string Simulation::description() const {
     text << "\nobstacle: " << collider.name << " (" << collider.shapes.size() << " shapes, at "
          << collider.world_from_collider.translation().transpose() << ")";
   }
+  for (const CameraParameters& camera : parameters_.cameras) {
+    text << "\ncamera: " << camera.name << " (" << camera.pinhole.width << " x " << camera.pinhole.height << ", at "
+         << camera.frame << ", " << camera.rate << " Hz" << (camera.noise.any() ? ", with noise" : "") << ")";
+  }
   for (const BillItem& item : world.bill()) {
     text << "\nbill: " << item.part << ", " << item.detail << ", " << 100.0 * item.share << " % of the step";
   }

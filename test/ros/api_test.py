@@ -15,16 +15,20 @@ from support import Simulation, nearest, wait_until
 NODE = '/deformable_sim'
 BODIES = {'sheet', 'line'}
 GRASPS = {'pin_sheet_corner_2', 'pin_sheet_corner_3', 'pin_line_end_0'}
+CAMERAS = {'eye'}
 ATTACHED = set()  # obstacles that follow a frame: robot_test.py has some
 EVERY_NODE = {'/rosout', '/use_sim_time', '/clock', NODE + '/get_loggers', NODE + '/set_logger_level'}
 
 
 def documented(page, heading):
-    """{name: type} of the table under a heading, with <body>, <name> and <obstacle> filled in."""
+    """{name: type} of the table under a heading, with <body>, <name>, <camera> and <obstacle> filled in."""
     section = page.split('## ' + heading + '\n')[1].split('\n## ')[0]
     rows = {}
     for name, kind in re.findall(r'^\| `([^`]+)` \| (\S+) \|', section, re.MULTILINE):
         name = name.replace('~', NODE + '/')
+        if '<camera>' in name:
+            rows.update({name.replace('<camera>', camera): kind for camera in CAMERAS})
+            continue
         for body in BODIES if '<body>' in name else {''}:
             for grasp in GRASPS if '<name>' in name else {''}:
                 for obstacle in ATTACHED if '<obstacle>' in name else {''}:

@@ -11,12 +11,12 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Pose, WrenchStamped
-from sensor_msgs.msg import PointCloud2
+from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from shape_msgs.msg import SolidPrimitive
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import InteractiveMarkerUpdate, Marker, MarkerArray
 
-from deformable_sim.msg import BodyMesh, BodyState, ContactArray, GraspStateArray, Obstacle, SimStatus
+from deformable_sim.msg import BodyMesh, BodyState, ContactArray, GraspStateArray, Obstacle, SegmentLabels, SimStatus
 from support import Listener, Simulation, Status, node_position, wait_until
 
 DT = 0.01
@@ -35,6 +35,11 @@ LAZY = [
     ('grasp/%s/wrench' % PIN, WrenchStamped, lambda m: m.header.stamp),
     ('contacts', ContactArray, lambda m: m.header.stamp),
     ('status', SimStatus, lambda m: m.header.stamp),
+    ('camera/eye/depth', Image, lambda m: m.header.stamp),
+    ('camera/eye/points', PointCloud2, lambda m: m.header.stamp),
+    ('camera/eye/segmentation', Image, lambda m: m.header.stamp),
+    ('camera/eye/labels', SegmentLabels, lambda m: m.header.stamp),
+    ('camera/eye/camera_info', CameraInfo, lambda m: m.header.stamp),
     ('/tf', TFMessage, lambda m: m.transforms[0].header.stamp),
     ('/diagnostics', DiagnosticArray, None),
     ('interactive_markers/update', InteractiveMarkerUpdate, None),

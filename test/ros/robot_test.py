@@ -3,12 +3,14 @@
 
 import unittest
 
+import numpy
 import rospy
 import rostest
 import tf2_ros
 from geometry_msgs.msg import TransformStamped, WrenchStamped
+from sensor_msgs.msg import Image
 
-from deformable_sim.msg import ContactArray, SimStatus
+from deformable_sim.msg import ContactArray, SegmentLabels, SimStatus
 from support import Simulation, Status, wait_until
 
 
@@ -74,6 +76,30 @@ class Robot(unittest.TestCase):
 
         self.assertTrue(self.sim.reset().success)
         self.send_until(0.6, lambda h: abs(h.get('robot.hand', 0.0) - 0.6) < 1e-6)
+
+    def test_the_camera_sees_links_and_not_what_they_hide(self):
+        # From the world's origin upwards: the lowest point of the hand's ball, 50 mm below its centre, before the tray,
+        # whose lower side is 90 mm above that centre; 80 mm towards -x the tray alone. near leaves out the base.
+        self.send_until(0.7, lambda h: abs(h.get('robot.hand', 0.0) - 0.7) < 1e-6 and abs(h['tray'] - 0.8) < 1e-6)
+        depth, owner = self.sim.listen('camera/below/depth', Image), self.sim.listen('camera/below/segmentation', Image)
+        names = self.sim.listen('camera/below/labels', SegmentLabels)
+
+        def near(message):
+            z = numpy.frombuffer(message.data, '<f4').reshape(33, 33)
+            return abs(z[16, 16] - 0.65) < 1e-5 and abs(z[16, 8] - 0.79) < 1e-5
+
+        depth.wait(near)
+        message = names.wait(lambda m: 'tray' in m.name)
+        numbers = dict(zip(message.name, message.label))
+        numbers = (numbers['robot.hand'], numbers['tray'])
+
+        def owned(message):
+            label = numpy.frombuffer(message.data, '<u2').reshape(33, 33)
+            return (label[16, 16], label[16, 8]) == numbers
+
+        owner.wait(owned)
+        for listener in (depth, owner, names):
+            listener.close()
 
     def test_what_a_link_lets_through_it_does_not_touch(self):
         scene = NAPKIN_ON_TRAY.replace('robot: {friction: 0.4}', 'robot: {lets_through: {hand: [napkin]}}')

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "deformable_sim/ros/camera/camera_parameters.h"
+
 namespace ros {
 class NodeHandle;
 }
@@ -26,7 +28,8 @@ struct Parameters {
   std::optional<double> rate_markers;  // Hz, 0 ... 1000, 0 = never; unset = the scene's
   std::optional<double> rate_points;   // Hz
   std::optional<double> rate_state;    // Hz
-  int threads = 1;                     // for the physics, 1 ... 64
+  std::vector<CameraParameters> cameras;
+  int threads = 1;  // for the physics, 1 ... 64
   LatePolicy when_late = LatePolicy::kSlowDown;
   double accuracy_floor = 0.1;  // 1e-5 ... 1, error over a second up to which kLessAccurate goes
   bool start_paused = false;

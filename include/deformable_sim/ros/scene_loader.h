@@ -15,6 +15,7 @@
 #include "deformable_sim/ros/frames.h"
 #include "deformable_sim/ros/parameters.h"
 #include "deformable_sim/ros/simulation.h"
+#include "deformable_sim/ros/warnings.h"
 #include "deformable_sim/scene/allowed_paths.h"
 
 namespace deformable_sim {
@@ -23,7 +24,8 @@ class SceneLoader {
  public:
   using Drag = std::function<void(const std::string& grasp, const geometry_msgs::PoseStamped& target)>;
 
-  SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames, Drag drag_grasp);
+  SceneLoader(const ros::NodeHandle& private_nh, const Parameters& parameters, Frames* frames, Warnings* warnings,
+              Drag drag_grasp);
 
   /// What stands in one of the two, the other being empty: in a file, a path or the bare name of a scene in ~scene_dir,
   /// or in a text. `files` are those that may be opened for it. All throw InputError.
@@ -47,6 +49,7 @@ class SceneLoader {
   std::shared_ptr<ForcePlugin> plugins_ = std::make_shared<ForcePlugins>();
   Parameters parameters_;
   Frames* frames_;
+  Warnings* warnings_;
   Drag drag_grasp_;
 };
 

@@ -3,6 +3,8 @@
 
 #include <memory>
 
+#include "deformable_sim/ros/camera/camera_parameters.h"
+#include "deformable_sim/ros/camera/segment_ids.h"
 #include "deformable_sim/ros/publishers/publisher.h"
 
 namespace deformable_sim {
@@ -33,5 +35,8 @@ std::unique_ptr<Publisher> make_diagnostics_publisher(const PublisherContext& co
 std::unique_ptr<Publisher> make_transforms_publisher(const PublisherContext& context);
 /// ~interactive_markers, interactive markers: a person drags a grasp.
 std::unique_ptr<Publisher> make_handles_publisher(const PublisherContext& context);
+/// ~camera/<camera>/...: depth image, cloud and segmentation of one camera, at its own rate.
+std::unique_ptr<Publisher> make_camera_publisher(const PublisherContext& context, const CameraParameters& camera,
+                                                 const std::shared_ptr<SegmentIds>& ids);
 
 }  // namespace deformable_sim

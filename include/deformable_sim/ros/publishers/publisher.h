@@ -17,6 +17,9 @@
 
 namespace deformable_sim {
 
+class Frames;
+class Warnings;
+
 /// One state of the world and of its run, immutable, shown by all publishers with one stamp.
 struct Instant {
   Snapshot snapshot;
@@ -39,6 +42,8 @@ struct PublisherContext {
   std::shared_ptr<const Model> model;
   ros::Time loaded;  // stamp of what is published once per scene
   OutputSpec outputs;
+  const Frames* frames = nullptr;
+  Warnings* warnings = nullptr;
   /// A person drags the handle of a grasp.
   std::function<void(const std::string& grasp, const geometry_msgs::PoseStamped& target)> drag_grasp;
 };
