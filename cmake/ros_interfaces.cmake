@@ -26,6 +26,9 @@ find_package(catkin REQUIRED COMPONENTS
 )
 find_package(orocos_kdl REQUIRED)
 
+# python/deformable_sim beside the generated deformable_sim.msg and .srv; before generate_messages().
+catkin_python_setup()
+
 add_message_files(DIRECTORY msg FILES
   BodyMesh.msg
   BodyState.msg
