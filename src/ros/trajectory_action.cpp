@@ -1,9 +1,12 @@
 #include "deformable_sim/ros/trajectory_action.h"
 
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
 #include <utility>
 
-#include <actionlib/server/simple_action_server.h>
-
+#include "deformable_sim/ros/careful_action_server.h"
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/messages.h"
 #include "deformable_sim/ros/trajectories.h"
@@ -42,19 +45,81 @@ msg::FollowGraspTrajectoryResult result_of(const TrajectoryProgress& progress) {
 
 }  // namespace
 
+/// Goals are taken on the node's callback threads and followed on a thread of its own, one at a time.
 class TrajectoryAction::Server {
+  using ActionServer = CarefulActionServer<msg::FollowGraspTrajectoryAction>;
+  using Goal = ActionServer::GoalHandle;
+
  public:
   Server(const ros::NodeHandle& nh, Simulation* simulation, Frames* frames, std::string frame_id)
       : simulation_(simulation),
         frames_(frames),
         frame_id_(std::move(frame_id)),
         server_(
-            nh, "follow_trajectory", [this](const auto& goal) { execute(*goal); }, false) {}
+            nh, "follow_trajectory", [this](Goal goal) { take(std::move(goal)); },
+            [this](const Goal& goal) { cancel(goal); }) {
+    server_.start();
+    thread_ = std::thread([this] { run(); });
+  }
 
-  void start() { server_.start(); }
+  ~Server() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stopping_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
 
  private:
-  void execute(const msg::FollowGraspTrajectoryGoal& message) {
+  /// The newest goal takes the place of the one that is followed, and of one that waits for its end.
+  void take(Goal goal) {
+    std::optional<Goal> passed_over;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      std::swap(next_, passed_over);
+      next_ = std::move(goal);
+      stop_ = true;
+    }
+    changed_.notify_all();
+    if (passed_over) passed_over->setRejected({}, "a newer goal came");
+  }
+
+  void cancel(const Goal& goal) {
+    std::optional<Goal> waiting;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (next_ && *next_ == goal) {
+        std::swap(next_, waiting);
+      } else if (now_ && *now_ == goal) {
+        stop_ = true;
+      }
+    }
+    if (waiting) waiting->setCanceled({}, "cancelled before it began");
+  }
+
+  bool is_to_stop() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return stop_ || stopping_;
+  }
+
+  void run() {
+    while (true) {
+      {
+        std::unique_lock<std::mutex> lock(mutex_);
+        now_.reset();
+        changed_.wait(lock, [this] { return next_ || stopping_; });
+        if (stopping_) return;
+        std::swap(now_, next_);
+        next_.reset();
+        stop_ = false;
+      }
+      now_->setAccepted();
+      follow(*now_->getGoal());
+    }
+  }
+
+  void follow(const msg::FollowGraspTrajectoryGoal& message) {
     const auto run = std::make_shared<TrajectoryRun>();
     TrajectoryProgress progress;
     try {
@@ -62,29 +127,29 @@ class TrajectoryAction::Server {
       if (!reply.status.ok()) throw InputError(reply.status.message, reply.status.code);
     } catch (const InputError& error) {
       progress.status = {error.code(), error.what()};
-      server_.setAborted(result_of(progress), error.what());
+      now_->setAborted(result_of(progress), error.what());
       return;
     }
     ros::Time stamp;
-    bool preempted = false;
+    bool stopped = false;
     while (!(progress = run->wait(kFeedbackPeriod, &stamp)).is_over) {
-      preempted = server_.isPreemptRequested();
-      if (preempted || !ros::ok()) {
+      if (is_to_stop()) {
+        stopped = true;
         const Reply reply = simulation_->stop_following(run, {Code::kUnavailable, "cancelled; grasps stopped"});
-        if (!reply.status.ok()) progress.status = reply.status;
         progress = run->wait(kFeedbackPeriod, &stamp);
+        if (!reply.status.ok()) progress.status = reply.status;
         break;
       }
       tell(progress, stamp);
     }
     tell(progress, stamp);
     const msg::FollowGraspTrajectoryResult result = result_of(progress);
-    if (preempted) {
-      server_.setPreempted(result, progress.status.message);
+    if (stopped) {
+      now_->setCanceled(result, progress.status.message);
     } else if (progress.status.ok()) {
-      server_.setSucceeded(result);
+      now_->setSucceeded(result);
     } else {
-      server_.setAborted(result, progress.status.message);
+      now_->setAborted(result, progress.status.message);
     }
   }
 
@@ -102,13 +167,19 @@ class TrajectoryAction::Server {
       feedback.forces.push_back(grasp.force);
       feedback.loads.push_back(grasp.load);
     }
-    server_.publishFeedback(feedback);
+    now_->publishFeedback(feedback);
   }
 
   Simulation* simulation_;
   Frames* frames_;
   std::string frame_id_;
-  actionlib::SimpleActionServer<msg::FollowGraspTrajectoryAction> server_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<Goal> now_, next_;  // now_ is changed by thread_ alone, with the mutex
+  bool stop_ = false;               // now_ is to end
+  bool stopping_ = false;
+  ActionServer server_;
+  std::thread thread_;
 };
 
 TrajectoryAction::TrajectoryAction(const ros::NodeHandle& private_nh, Simulation* simulation, Frames* frames,
@@ -118,7 +189,6 @@ TrajectoryAction::~TrajectoryAction() = default;
 
 void TrajectoryAction::start() {
   server_ = std::make_unique<Server>(nh_, simulation_, frames_, frame_id_);
-  server_->start();
 }
 
 void TrajectoryAction::stop() {

@@ -6,15 +6,19 @@ import struct
 
 import genpy
 import rospy
+from actionlib_msgs.msg import GoalID
+from dynamic_reconfigure.msg import DoubleParameter, StrParameter
+from dynamic_reconfigure.srv import Reconfigure
 from geometry_msgs.msg import Pose, PoseStamped, TransformStamped
 from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import InteractiveMarkerFeedback
 
-from deformable_sim.msg import GraspCommand, GraspSelection, Obstacle, Octomap
-from deformable_sim.srv import (AddObstacle, GetDistance, GetState, Grasp, LetThrough, LoadScene, MoveGrasp, Release,
-                                RemoveObstacle, RestoreState, SaveState, SetState, Step)
+from deformable_sim.msg import (FollowGraspTrajectoryActionGoal, GraspCommand, GraspSelection, GraspTrajectory,
+                                GraspTrajectoryPoint, Obstacle, Octomap, RolloutPlan, TimedGraspCommand)
+from deformable_sim.srv import (AddBody, AddObstacle, GetDistance, GetState, Grasp, LetThrough, LoadScene, MoveGrasp, Release,
+                                RemoveBody, RemoveObstacle, RestoreState, Rollout, SaveState, SetMaterial, SetState, Step)
 
 FLOATS = (0.0, -0.0, 1.0, -1.0, 0.01, 1e-9, 5e-324, 1e9, 1e30, 1e308, -1e308, float('inf'), float('-inf'), float('nan'))
 WORDS = ('', 'a', 'A_1', '1', 'sheet', 'line', 'nobody', 'hand', 'pin_sheet_corner_2', 'table', 'ball', 'robot.hand', 'world',
@@ -29,6 +33,10 @@ SCENES = ('bodies:\n  - rope: {name: line, segments: 4}\n',
           'colliders:\n  - sphere: {name: ball, radius: 0.05}\n',
           'gravity: [0, 0, -9.81]\nstep: {dt: 0.005, integrator: bdf2}\n'
           'bodies:\n  - soft: {name: block, box: {size: [0.1, 0.1, 0.1], cells: [1, 1, 1]}}\n')
+BODIES = ('bodies: [{rope: {name: cord, segments: 4, pose: {position: [0, 5, 1]}}}]', 'bodies: [{rope: {name: line}}]', SCENES[1],
+          'bodies:\n  - cloth: {name: extra, size: [0.2, 0.2], cells: [3, 3], touches: all, pins: [corner_0]}\n')
+MATERIALS = ('{damping: 0.01}', '{youngs_modulus: 100000}', '{diameter: 0.01}', 'denim_11oz_black', 'damping: 0.001\nthickness: 0.001')
+LIVE = ('gravity_z', 'wind_x', 'air_damping', 'friction', 'tolerance', 'accuracy', 'strain_range')
 SCENE_WORDS = ('nan', '.inf', '-1', '1e308', '1000000000', '[]', '{}', '&a *a', '[1e9, 1e9]', 'null', '"', ': :', 'name', 'bodies',
                'mesh: /etc/passwd', '\t', '- -', '999999999999999999999')
 INTEGERS = {'int8': (-2**7, 2**7 - 1), 'uint8': (0, 2**8 - 1), 'byte': (-2**7, 2**7 - 1), 'char': (0, 2**8 - 1),
@@ -102,8 +110,34 @@ class Hostile:
             message.frame = 'tool'
         return message
 
-    def scene(self):
-        text = self.random.choice(SCENES)
+    def command(self):
+        return GraspCommand(action=self.random.randrange(3), name=self.name(), body=self.body(), selection=self.selection(),
+                            target=self.stamped(), max_speed=0.5)
+
+    def trajectory(self):
+        times = sorted(self.random.random() for _ in range(self.random.randrange(4)))
+        points = [GraspTrajectoryPoint(rospy.Duration(t), self.stamped().pose) for t in times]
+        return GraspTrajectory(grasp=self.name(), points=points)
+
+    def goal(self):
+        message = FollowGraspTrajectoryActionGoal()
+        message.goal_id.id = self.random.choice(('', 'a', 'b', 'c'))
+        message.goal.trajectories = [self.trajectory() for _ in range(self.random.randrange(3))]
+        message.goal.allow_partial = self.random.random() < 0.5
+        return message
+
+    def plan(self):
+        commands = [TimedGraspCommand(time=rospy.Duration(0.01 * k), command=self.command()) for k in range(self.random.randrange(3))]
+        return RolloutPlan(commands=commands, trajectories=[self.trajectory() for _ in range(self.random.randrange(3))])
+
+    def values(self, request):
+        result = request()
+        result.config.doubles = [DoubleParameter(self.random.choice(LIVE), self.random.choice(FLOATS + (0.3, 0.02)))]
+        result.config.strs = [StrParameter('color_by', self.random.choice(('strain', 'body', 'mood', '')))]
+        return result
+
+    def scene(self, texts=SCENES):
+        text = self.random.choice(texts)
         for _ in range(self.random.randrange(4)):
             at, length = self.random.randrange(len(text)), self.random.randrange(6)
             text = text[:at] + self.random.choice(SCENE_WORDS) + text[at + length:]
@@ -136,6 +170,12 @@ class Hostile:
             GetDistance: lambda q: q(body=self.body(), obstacles=self.random.choice(([], ['table'], ['ball', 'a']))),
             GetState: lambda q: q(body=self.body()),
             SetState: lambda q: q(),
+            AddBody: lambda q: q(yaml=self.scene(BODIES), pose=self.stamped() if self.random.random() < 0.3 else PoseStamped()),
+            RemoveBody: lambda q: q(body=self.random.choice(('line', 'cord', 'extra', 'nobody'))),
+            SetMaterial: lambda q: q(body=self.body(), yaml=self.scene(MATERIALS)),
+            Rollout: lambda q: q(plans=[self.plan() for _ in range(self.random.randrange(4))], seconds=0.05, sample_period=0.01,
+                                 with_positions=self.random.random() < 0.5, with_contacts=self.random.random() < 0.5),
+            Reconfigure: self.values,
             SaveState: lambda q: self.saved(q),
             RestoreState: lambda q: self.saved(q),
         }
@@ -143,8 +183,9 @@ class Hostile:
 
     def message(self, kind):
         make = {
-            GraspCommand: lambda: GraspCommand(action=self.random.randrange(3), name=self.name(), body=self.body(),
-                                               selection=self.selection(), target=self.stamped(), max_speed=0.5),
+            GraspCommand: self.command,
+            FollowGraspTrajectoryActionGoal: self.goal,
+            GoalID: lambda: GoalID(id=self.random.choice(('', 'a', 'b'))),
             Obstacle: self.obstacle,
             PoseStamped: self.stamped,
             TFMessage: self.transforms,

@@ -8,24 +8,29 @@ import xmlrpc.client
 import genpy
 import rosgraph
 import rospy
+from actionlib_msgs.msg import GoalID
+from dynamic_reconfigure.srv import Reconfigure
 from geometry_msgs.msg import PoseStamped
 from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerUpdate, MarkerArray
 
-from deformable_sim.msg import BodyState, GraspCommand, Obstacle, SimStatus, Status
-from deformable_sim.srv import (AddObstacle, GetDistance, GetState, Grasp, LetThrough, LoadScene, MoveGrasp, Release,
-                                RemoveObstacle, RestoreState, SaveState, SetState, Step)
+from deformable_sim.msg import BodyState, FollowGraspTrajectoryActionGoal, GraspCommand, Obstacle, SimStatus, Status
+from deformable_sim.srv import (AddBody, AddObstacle, GetDistance, GetState, Grasp, LetThrough, LoadScene, MoveGrasp, Release,
+                                RemoveBody, RemoveObstacle, RestoreState, Rollout, SaveState, SetMaterial, SetState, Step)
 from hostile_messages import Hostile, garbage_class
 from support import Listener, Simulation, wait_until
 
 SERVICES = {'grasp': Grasp, 'move_grasp': MoveGrasp, 'release': Release, 'pause': SetBool, 'reset': Trigger, 'describe': Trigger,
             'step': Step, 'load_scene': LoadScene, 'add_obstacle': AddObstacle, 'remove_obstacle': RemoveObstacle,
             'let_through': LetThrough, 'get_distance': GetDistance, 'get_state': GetState, 'set_state': SetState,
-            'save_state': SaveState, 'restore_state': RestoreState}
+            'save_state': SaveState, 'restore_state': RestoreState, 'add_body': AddBody, 'remove_body': RemoveBody,
+            'set_material': SetMaterial, 'rollout': Rollout, 'set_parameters': Reconfigure}
+CHANGES = (AddBody, RemoveBody, SetMaterial, Reconfigure)  # of the scene, which keeps its name
 TOPICS = {'~grasp_command': GraspCommand, '~obstacle': Obstacle, '~grasp/hand/target': PoseStamped,
           '~grasp/pin_sheet_corner_2/target': PoseStamped, '/tf': TFMessage, '/tf_static': TFMessage,
-          '~interactive_markers/feedback': InteractiveMarkerFeedback}
+          '~interactive_markers/feedback': InteractiveMarkerFeedback,
+          '~follow_trajectory/goal': FollowGraspTrajectoryActionGoal, '~follow_trajectory/cancel': GoalID}
 MOST_STEPS = 5          # of one granted call: what is between this and the node's own limit only takes long
 MOST_SECONDS = 0.05
 FRESH_STEPS = 5
@@ -63,6 +68,7 @@ class MessageFuzz:
                                             ('status', SimStatus), ('interactive_markers/update', InteractiveMarkerUpdate))]
         self.sent = {'services': 0, 'topics': 0, 'garbage': 0, 'connections': 0}
         self.granted = 0
+        self.changed = False
         self.stopped = 0
         self.recent = []  # of this batch, for a report
         self.load()
@@ -106,6 +112,9 @@ class MessageFuzz:
         request = self.hostile.hostile(request)
         if kind is Step:
             self.shorten(request)
+        if kind is Rollout:
+            request.seconds = min(request.seconds, MOST_SECONDS) if request.seconds < 10**3 else request.seconds
+            request.deadline = request.deadline or 5.0
         self.recent.append((key, request))
         self.sent['services'] += 1
         try:
@@ -115,6 +124,9 @@ class MessageFuzz:
         except rospy.ServiceException:
             self.proxies[key] = rospy.ServiceProxy(self.name + '/' + key, kind, persistent=True)
             raise Poisoned('%s did not answer' % key)
+        self.changed = self.changed or kind in CHANGES
+        if kind is Reconfigure:
+            return
         status = getattr(answer, 'status', None)
         code = status.code if status else Status.OK if answer.success else Status.INVALID_ARGUMENT
         if kind is Step and code == Status.INTERNAL and status.message.startswith('no finite state'):
@@ -169,11 +181,15 @@ class MessageFuzz:
         if not self.sim.describe().success:
             raise Poisoned('~describe refused')
         self.check_finite()
-        if self.sim.description('scene') != self.described:
-            self.load()
-        # What was published may arrive after the first ~reset, but not after an answer to that.
-        if self.history() != self.fresh and self.history() != self.fresh:
+        # What was published may arrive after the first ~reset, and what an action has begun after the second.
+        if not any(self.as_fresh() for _ in range(4)):
             raise Poisoned('after ~reset the simulation is not that of a fresh run')
+
+    def as_fresh(self):
+        if self.changed or self.sim.description('scene') != self.described:
+            self.load()
+            self.changed = False
+        return self.history() == self.fresh
 
     def load(self):
         answer = self.sim.load_scene(file=self.scene)
