@@ -9,6 +9,7 @@ find_package(catkin REQUIRED COMPONENTS
   interactive_markers
   kdl_parser
   message_generation
+  nodelet
   pluginlib
   resource_retriever
   roscpp
@@ -77,7 +78,7 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${PROJECT_NAME}_core ${PROJECT_NAME}_scene ${PROJECT_NAME}_ros
   CATKIN_DEPENDS
-    actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs interactive_markers message_runtime pluginlib resource_retriever roscpp rosgraph_msgs roslib
+    actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs interactive_markers message_runtime nodelet pluginlib resource_retriever roscpp rosgraph_msgs roslib
     sensor_msgs shape_msgs std_msgs std_srvs tf2_eigen tf2_msgs tf2_ros urdf visualization_msgs
   DEPENDS EIGEN3
   CFG_EXTRAS ${PROJECT_NAME}-targets.cmake

@@ -49,10 +49,13 @@ void check_no_other_clock() {
   }
 }
 
-class Node {
+}  // namespace
+
+class SimulationServer::Parts {
  public:
-  Node()
-      : nh_("~"),
+  explicit Parts(const ros::NodeHandle& private_nh)
+      : spinner_(kCallbackThreads, &queue_),
+        nh_(on_queue(private_nh, &queue_)),
         parameters_(read_parameters(nh_)),
         files_(network_files(parameters_)),
         frames_(parameters_.frame_id, parameters_.tf_timeout),
@@ -66,24 +69,39 @@ class Node {
         live_(nh_, &changes_, &warnings_),
         rollouts_(&simulation_, &loader_, &frames_, parameters_.frame_id),
         services_(nh_, parameters_, &simulation_, &frames_, &changes_, &rollouts_, &files_),
-        trajectories_(nh_, &simulation_, &frames_, parameters_.frame_id) {}
-
-  void run() {
+        trajectories_(nh_, &simulation_, &frames_, parameters_.frame_id) {
     LoadedScene scene = loader_.build(loader_.read(parameters_.scene, "", AllowedPaths()));
+    if (ros::ok()) start(std::move(scene));
+  }
+
+  ~Parts() {
+    simulation_.stop();
+    trajectories_.stop();
+    if (keeper_) keeper_->stop();
+    spinner_.stop();
+  }
+
+ private:
+  static ros::NodeHandle on_queue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
+    nh.setCallbackQueue(queue);
+    return nh;
+  }
+
+  void start(LoadedScene scene) {
     const SceneSpec spec = scene.spec;
-    if (!ros::ok()) return;
     if (parameters_.publish_clock) {
       check_no_other_clock();
       clock_ = nh_.advertise<rosgraph_msgs::Clock>("/clock", 10);
     }
-    ros::AsyncSpinner spinner(kCallbackThreads);
     services_.start();
     topics_.start();
     live_.start(spec);
     trajectories_.start();
-    TopicKeeper keeper(services_.names());
-    const auto names_changed = [&](const TopicNames& names, std::shared_ptr<PublisherSet> publishers) {
-      keeper.post([this, names, publishers] {
+    std::vector<std::string> services = services_.names();
+    services.push_back(live_.service());
+    keeper_ = std::make_unique<TopicKeeper>(std::move(services));
+    const auto names_changed = [this](const TopicNames& names, std::shared_ptr<PublisherSet> publishers) {
+      keeper_->post([this, names, publishers] {
         for (const PublisherSet::Entry& entry : publishers->entries) entry.publisher->update(names);
         topics_.update(names.grasps);
       });
@@ -97,16 +115,12 @@ class Node {
       };
     }
     simulation_.start(std::move(scene), names_changed, time_changed);
-    spinner.start();
+    spinner_.start();
     ROS_INFO_NAMED("simulation", "running");
-    ros::waitForShutdown();
-    simulation_.stop();
-    trajectories_.stop();
-    keeper.stop();
-    spinner.stop();
   }
 
- private:
+  ros::CallbackQueue queue_;
+  ros::AsyncSpinner spinner_;
   ros::NodeHandle nh_;
   Parameters parameters_;
   AllowedPaths files_;
@@ -121,17 +135,21 @@ class Node {
   Services services_;
   TrajectoryAction trajectories_;
   ros::Publisher clock_;
+  std::unique_ptr<TopicKeeper> keeper_;
 };
 
-}  // namespace
+SimulationServer::SimulationServer(const ros::NodeHandle& private_nh) : parts_(std::make_unique<Parts>(private_nh)) {}
+SimulationServer::~SimulationServer() = default;
 
 int run_node(int argc, char** argv) {
   ros::init(argc, argv, "deformable_sim");
   wait_for_master();
   const ros::NodeHandle keeps_logging_alive;
   try {
-    Node node;
-    node.run();
+    const SimulationServer server(ros::NodeHandle("~"));
+    ros::AsyncSpinner spinner(1);  // of the global queue
+    spinner.start();
+    ros::waitForShutdown();
     return 0;
   } catch (const InputError& error) {
     // An interrupt while loading: parameters can no longer be read, and that is why they are missing.

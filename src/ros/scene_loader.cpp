@@ -4,8 +4,6 @@
 #include <iterator>
 #include <utility>
 
-#include <ros/this_node.h>
-
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/robot_links.h"
 #include "deformable_sim/scene/build.h"
@@ -91,7 +89,7 @@ std::shared_ptr<PublisherSet> SceneLoader::publishers_of(const SceneSpec& spec,
   context.private_nh = private_nh_;
   context.advertiser = advertiser_;
   context.frame_id = parameters_.frame_id;
-  context.node_name = ros::this_node::getName().substr(1);
+  context.node_name = private_nh_.getNamespace().substr(1);
   context.model = std::move(model);
   if (parameters_.clock == ClockMode::kRealTime && !parameters_.publish_clock) context.loaded = ros::Time::now();
   context.outputs = spec.outputs;

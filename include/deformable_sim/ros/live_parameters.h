@@ -2,7 +2,7 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
+#include <string>
 
 #include <ros/node_handle.h>
 
@@ -21,6 +21,8 @@ class LiveParameters {
 
   /// Opens the topics and the service, with the values of `scene`.
   void start(const SceneSpec& scene);
+  /// Full name.
+  std::string service() const { return nh_.resolveName("set_parameters"); }
 
  private:
   class Server;

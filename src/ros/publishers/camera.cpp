@@ -117,7 +117,7 @@ class Camera : public TopicsPublisher {
   void send(TopicIndex topic, Message message, const Instant& instant) const {
     message.header.frame_id = camera_.frame;
     message.header.stamp = instant.stamp;
-    topics_[topic].publish(message);
+    topics_[topic].publish(std::move(message));
   }
 
   void show(const Shot& shot, DepthBuffer* buffer) const {

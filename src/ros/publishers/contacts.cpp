@@ -1,5 +1,6 @@
 // ~contacts and ~contact/<collider>/wrench.
 #include <algorithm>
+#include <utility>
 
 #include <geometry_msgs/WrenchStamped.h>
 
@@ -26,7 +27,7 @@ class Contacts : public TopicsPublisher {
     message.header.frame_id = frame_id_;
     message.header.stamp = instant.stamp;
     message.contacts = contact_messages(instant.snapshot);
-    topics_[0].publish(message);
+    topics_[0].publish(std::move(message));
   }
 
  private:

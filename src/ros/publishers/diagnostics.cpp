@@ -3,6 +3,7 @@
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "deformable_sim/ros/publishers/makers.h"
 
@@ -55,7 +56,7 @@ class Diagnostics : public TopicsPublisher {
     diagnostic_msgs::DiagnosticArray message;
     message.header.stamp = ros::Time::now();  // consumers age entries by their own clock
     message.status.push_back(status);
-    topics_[0].publish(message);
+    topics_[0].publish(std::move(message));
   }
 
  private:

@@ -1,5 +1,6 @@
 // ~grasps and ~grasp/<name>/wrench.
 #include <geometry_msgs/WrenchStamped.h>
+#include <utility>
 
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/publishers/makers.h"
@@ -21,7 +22,7 @@ class Grasps : public TopicsPublisher {
     message.header.frame_id = frame_id_;
     message.header.stamp = instant.stamp;
     message.grasps = grasp_state_messages(instant.snapshot, frame_id_, instant.stamp);
-    topics_[0].publish(message);
+    topics_[0].publish(std::move(message));
   }
 
  private:
@@ -48,7 +49,7 @@ class Wrenches : public Publisher {
       message.header.frame_id = prefix_ + grasp.name;
       message.header.stamp = instant.stamp;
       message.wrench = wrench_message(grasp);
-      topic->publish(message);
+      topic->publish(std::move(message));
     }
   }
 

@@ -34,7 +34,7 @@ class Markers : public TopicsPublisher {
       marker.header.frame_id = frame_id_;
       marker.header.stamp = instant.stamp;
     }
-    topics_[0].publish(message);
+    topics_[0].publish(std::move(message));
   }
 
  private:

@@ -20,7 +20,7 @@ class BodyPoints : public TopicsPublisher {
       sensor_msgs::PointCloud2 cloud = body_cloud(instant.snapshot, static_cast<int>(body));
       cloud.header.frame_id = frame_id_;
       cloud.header.stamp = instant.stamp;
-      topics_[body].publish(cloud);
+      topics_[body].publish(std::move(cloud));
     }
   }
 
@@ -38,7 +38,7 @@ class AllPoints : public TopicsPublisher {
     sensor_msgs::PointCloud2 cloud = world_cloud(instant.snapshot);
     cloud.header.frame_id = frame_id_;
     cloud.header.stamp = instant.stamp;
-    topics_[0].publish(cloud);
+    topics_[0].publish(std::move(cloud));
   }
 
  private:

@@ -3,6 +3,7 @@
 #include "deformable_sim/ros/publishers/makers.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace deformable_sim {
 
@@ -43,7 +44,7 @@ class StatusPublisher : public TopicsPublisher {
       message.part_cost.push_back(cost.seconds_per_second);
     }
     message.warnings = instant.warnings;
-    topics_[0].publish(message);
+    topics_[0].publish(std::move(message));
   }
 
  private:

@@ -1,5 +1,6 @@
 // /tf: <node>/<body> at the centre of mass, <node>/grasp/<name> at the grasp.
 #include <tf2_msgs/TFMessage.h>
+#include <utility>
 
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/publishers/makers.h"
@@ -28,7 +29,7 @@ class Transforms : public TopicsPublisher {
     for (const GraspReport& grasp : snapshot.grasps) {
       message.transforms.push_back(transform("grasp/" + grasp.name, grasp.world_from_grasp, instant.stamp));
     }
-    topics_[0].publish(message);
+    topics_[0].publish(std::move(message));
   }
 
  private:

@@ -6,10 +6,12 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/node_handle.h>
+#include <boost/make_shared.hpp>
 
 #include "deformable_sim/core/snapshot.h"
 #include "deformable_sim/ros/advertiser.h"
@@ -63,9 +65,10 @@ class Topic {
   }
   bool wanted() const { return publisher_->getNumSubscribers() > 0; }
   unsigned joined() const { return *joined_; }
+  /// Subscribers of the same process get this very message, without a copy.
   template <typename Message>
-  void publish(const Message& message) const {
-    publisher_->publish(message);
+  void publish(Message message) const {
+    publisher_->publish(boost::make_shared<const Message>(std::move(message)));
   }
 
  private:
