@@ -1,0 +1,18 @@
+# The Debian package that ./run package makes: what `make install` installs, into the prefix that ROS lies in.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The deformable_sim maintainers <maintainers@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "cloth, rope and soft bodies simulated as a ROS service")
+set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+# Libraries as the programs need them; messages, launch files and scripts as scripts/packages.txt says.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CATKIN_DEVEL_PREFIX}/lib)
+if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+  set(CPACK_PACKAGE_NAME ros-deformable-sim)
+else()
+  set(CPACK_PACKAGE_NAME ros-noetic-deformable-sim)
+endif()
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "${DEFORMABLE_SIM_RUNTIME_PACKAGES}")
+include(CPack)
