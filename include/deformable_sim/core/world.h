@@ -74,9 +74,10 @@ class World {
 
   /// Takes over what another world with the same dt has come to: its time, its colliders and, of every body that both
   /// have with as many nodes, motion and grasps, which replace those this world began with. Bodies that only this one
-  /// has start now. What friction and the scheme remember begins anew: what rests may creep by 20 um. Throws InputError
-  /// and changes nothing where a new body crosses another (kUnavailable), or brings a grasp whose name is in use.
-  void continue_from(const World& before);
+  /// has start now. What friction remembers stays where both have the same bodies; else it begins anew, and what rests
+  /// may creep by 20 um. `before` stays as it is. Throws InputError and changes nothing where a new body crosses
+  /// another (kUnavailable), or brings a grasp whose name is in use.
+  void continue_from(World& before);
 
   double time() const;
   std::uint64_t step_count() const;
