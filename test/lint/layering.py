@@ -77,6 +77,9 @@ def check_package_include(layer, rest, target_layer, target):
     elif layer == 'robot':
         if target_layer in ('core', 'scene', 'ros'):
             return 'the robot demo uses only the public ROS interface'
+    elif layer == 'rviz':
+        if target_layer != 'rviz':
+            return 'the rviz panel uses only the public ROS interface'
     elif layer == 'study' or layer == 'program' and rest.startswith(('simulate', 'study')):
         if target_layer not in ('core', 'scene') and not (target_layer == 'study' and not rest.startswith('simulate')):
             return 'headless programs may include only core and scene'
