@@ -15,7 +15,11 @@ namespace deformable_sim {
 namespace {
 
 constexpr double kShortestSpan = 5.0;  // s: the first samples are not stretched over the whole width
-constexpr int kAreaHeight = 38;        // pixels
+
+/// Room for the two limits of the axis.
+int area_height(const QFontMetrics& font) {
+  return 2 * font.height() + 4;
+}
 
 }  // namespace
 
@@ -56,7 +60,7 @@ std::pair<double, double> Plot::range() const {
 }
 
 QSize Plot::sizeHint() const {
-  return {240, fontMetrics().height() + kAreaHeight + 6};
+  return {240, fontMetrics().height() + area_height(fontMetrics()) + 6};
 }
 
 QSize Plot::minimumSizeHint() const {
@@ -69,7 +73,7 @@ void Plot::paintEvent(QPaintEvent*) {
   paint_legend(&painter, QRectF(0, 0, width(), line));
 
   const int margin = fontMetrics().horizontalAdvance("-0.00 mW ");  // as wide as a label can be
-  const QRectF area(margin, line + 2, width() - margin - 1, kAreaHeight);
+  const QRectF area(margin, line + 2, width() - margin - 1, area_height(fontMetrics()));
   painter.setPen(palette().color(QPalette::Mid));
   painter.setBrush(palette().base());
   painter.drawRect(area);

@@ -30,6 +30,7 @@ QLabel* heading(const QString& text) {
   QFont font = label->font();
   font.setBold(true);
   label->setFont(font);
+  label->setWordWrap(true);  // text never makes the panel wider
   return label;
 }
 
@@ -64,6 +65,7 @@ Readings::Readings(QWidget* parent) : QWidget(parent) {
   potential_ = new Plot("Potential energy", "J", {{"", kAmber}}, Plot::Axis::kFitted);
   span_ = new QLabel;
   span_->setAlignment(Qt::AlignRight);
+  span_->setWordWrap(true);
   span_->setEnabled(false);
   cost_title_ = heading("");
   cost_ = new BarList;

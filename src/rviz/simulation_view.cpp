@@ -53,8 +53,9 @@ QLabel* message_label(const QString& name) {
   return label;
 }
 
-/// New items under the text that is there.
+/// New items under the text that is there, but not while a person looks at the old ones.
 void replace_items(QComboBox* box, const QStringList& items) {
+  if (box->view()->isVisible()) return;
   QStringList present;
   for (int i = 0; i < box->count(); ++i) present << box->itemText(i);
   if (present == items) return;
@@ -128,7 +129,8 @@ QWidget* SimulationView::make_choices() {
   color_box_->addItems({"body", "strain", "stress", "velocity", "contact"});
   color_box_->setCurrentIndex(-1);
   color_box_->setToolTip("What the colour of the bodies shows");
-  connect(color_box_, &QComboBox::textActivated, this, [this](const QString& quantity) {
+  connect(color_box_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
+    const QString quantity = color_box_->itemText(index);
     request("colour by " + quantity, [this, quantity] { link_->set_color_by(quantity); });
   });
 
@@ -295,7 +297,7 @@ void SimulationView::on_nodes(const QStringList& nodes) {
 }
 
 void SimulationView::on_scenes(const QStringList& names) {
-  if (!scene_box_->view()->isVisible()) replace_items(scene_box_, names);
+  replace_items(scene_box_, names);
 }
 
 }  // namespace deformable_sim

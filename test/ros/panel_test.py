@@ -19,7 +19,7 @@ from support import wait_until
 PACKAGE = roslib.packages.get_pkg_dir('deformable_sim')
 CONFIGURATION = PACKAGE + '/config/rviz/default.rviz'  # names the node /deformable_sim
 NODE = 'watched'
-START = 60.0  # s, wall: rviz without a graphics card
+START = 40.0  # s, wall: rviz without a graphics card
 
 
 class PanelInRviz(unittest.TestCase):

@@ -110,7 +110,7 @@ TEST_F(PanelPlugin, ListsNodesAndScenesAndLoadsOne) {
 TEST_F(PanelPlugin, ChangesTheColours) {
   auto* colors = panel->findChild<QComboBox*>("color_by");
   ASSERT_TRUE(wait([&] { return colors->currentIndex() >= 0; }));
-  Q_EMIT colors->textActivated("velocity");
+  Q_EMIT colors->activated(colors->findText("velocity"));
   ASSERT_TRUE(wait([&] { return text("message") == "colour by velocity: done"; })) << text("message").toStdString();
   EXPECT_TRUE(wait([&] { return colors->currentText() == "velocity"; }));
 }

@@ -133,7 +133,7 @@ TEST_F(Panel, AColourIsAskedForOnlyWhenAPersonChoosesIt) {
   Q_EMIT link.color_by_received("/deformable_sim", "strain");
   EXPECT_EQ(box->currentText(), "strain");
   EXPECT_TRUE(link.asked.isEmpty());
-  Q_EMIT box->textActivated("stress");
+  Q_EMIT box->activated(box->findText("stress"));
   EXPECT_EQ(link.asked, QStringList("color_by stress"));
 }
 
