@@ -30,7 +30,7 @@ class Door(unittest.TestCase):
             os.symlink(os.path.join(ROOT, 'run'), link)
             done = door(link, cwd=folder)
         self.assertEqual(done.returncode, 0)
-        for command in ('demo', 'test', 'build', 'simulate', 'study', 'exec', 'lint', 'bench'):
+        for command in ('demo', 'test', 'build', 'simulate', 'study', 'exec', 'lint', 'bench', 'package', 'gallery'):
             self.assertIn('\n  %s ' % command, done.stdout)
 
     def test_refuses_an_unknown_command_by_name(self):
@@ -44,7 +44,7 @@ class Door(unittest.TestCase):
             rows = [line.split() for line in stream if line.strip() and not line.startswith('#')]
         for row in rows:
             self.assertEqual(len(row), 3, row)
-            self.assertIn(row[0], ('build', 'demo', 'test', 'bench', 'fuzz', 'study', 'peers'))
+            self.assertIn(row[0], ('build', 'demo', 'test', 'package', 'bench', 'fuzz', 'study', 'peers'))
             self.assertNotIn(row[1], seen)
             seen.add(row[1])
 
