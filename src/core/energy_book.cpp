@@ -76,8 +76,8 @@ bool EnergyBook::is_possible(const Model& model, const State& s) const {
   return e.kinetic + e.weight <= level() + work_ + slack;
 }
 
-bool EnergyBook::has_gained(const Model& model, const Dynamics& d, const Energy* ignored, const State& s,
-                            double share) {
+bool EnergyBook::has_gained(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double share,
+                            double lift) {
   if (looks_ == 0) return false;
   const MotionEnergy motion = motion_energy(model, s);
   at_end_ = motion.kinetic + stored_energy(d, ignored, s);
@@ -85,7 +85,7 @@ bool EnergyBook::has_gained(const Model& model, const Dynamics& d, const Energy*
   const double was = known ? at_start_ : last_level();
   const double given = known ? work_ - work_before_ : work_;
   const double scale = motion.kinetic + std::abs(was - motion.weight);
-  return at_end_ > was + std::abs(given) + allowed_ + share * scale + kLift * mass_;
+  return at_end_ > was + std::abs(given) + allowed_ + share * scale + lift * mass_;
 }
 
 double EnergyBook::level() const {

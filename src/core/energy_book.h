@@ -47,9 +47,10 @@ class EnergyBook {
   /// Whether the step that ended at `s` is possible, as far as weight and motion tell.
   bool is_possible(const Model& model, const State& s) const;
   /// Whether there is more energy of all kinds at `s`, where a step ends, than there was and was given since, by a
-  /// share of what moves and is stored; for steps of which anything may come. "Was": where the step began, if that was
-  /// asked then, else at the last look.
-  bool has_gained(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double share);
+  /// share of what moves and is stored and `lift` (J/kg); for steps of which anything may come. "Was": where the step
+  /// began, if that was asked then, else at the last look.
+  bool has_gained(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double share,
+                  double lift);
   /// The step is accepted: takes a look when it is time, at all energies of `d` but `ignored`, which stores none of its
   /// own; dt: of the step, s.
   void end_step(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double dt);

@@ -20,7 +20,9 @@ constexpr double kLost = 0.005;           // m: the same, as often as it takes
 constexpr int kMaxRefinements = 2;
 constexpr double kOverlap = 0.001;      // m: bodies this far inside a collider are let out, which takes work
 constexpr double kUnsolvedGain = 0.05;  // of all energy, that a step which is no solution may err by
+constexpr double kUnsolvedLift = 2e-4;  // J/kg: besides
 constexpr double kExplicitGain = 0.25;  // the same, of an explicit one: the faster a mode the more its energy swings
+constexpr double kExplicitLift = 0.02;
 constexpr int kManyParts = 16;
 const char* const kSafeScheme = "implicit_euler";
 constexpr int kSafeIterations = 30;
@@ -119,7 +121,8 @@ bool World::Parts::unsound_step_gains() {
   const bool cheap = !integrator->needs().jacobian && report.force_evaluations >= kManyParts;
   if (!unsolved && !cheap) return false;
   const Energy* ignored = limiter ? limiter->springs() : nullptr;
-  return book.has_gained(*model, dynamics, ignored, state, unsolved ? kUnsolvedGain : kExplicitGain);
+  return book.has_gained(*model, dynamics, ignored, state, unsolved ? kUnsolvedGain : kExplicitGain,
+                         unsolved ? kUnsolvedLift : kExplicitLift);
 }
 
 /// Whether the parts of the present step are not halved any further.

@@ -138,9 +138,7 @@ std::string reason(const std::vector<Neighbour>& near, const SceneFeatures& scen
         (k == 0 ? "" : ", ") + near[k].scene->name + " (" + std::to_string(near[k].scene->features.nodes) + " nodes)";
   }
   text += remark;
-  if (scene.contact != near.front().scene->features.contact) {
-    text += scene.contact ? "; none like it was measured in contact" : "; those were measured in contact";
-  }
+  if (!scene.contact && near.front().scene->features.contact) text += "; those were measured in contact";
   if (scene.strain_limits != near.front().scene->features.strain_limits) text += "; strain limits are unlike theirs";
   if (is_guess(near)) text += "; unlike anything measured in nodes or stiffness: a guess";
   return text;
@@ -193,9 +191,12 @@ SolverChoice choose_solver(const SceneFeatures& scene, const SolverWish& wish, c
     if (wish.dt) fit_step(*wish.dt, table.configurations[k], &expected);
     all.push_back(expected);
   }
-  if (all.empty()) {
+  // An impact is no smooth motion: one Newton iteration of a second order scheme may do for this and make energy there.
+  const bool untouched = scene.contact && !near.empty() && !near.front().scene->features.contact;
+  if (all.empty() || untouched) {
     choice.configuration = {"implicit_euler", "cg", 4, 0.1, 200, "double", 0.95, wish.dt.value_or(0.01)};
-    choice.why = "nothing like it (" + scene.bodies + ") was measured: robust, its error unknown";
+    choice.why = "nothing like it (" + scene.bodies + (untouched ? " in contact" : "") +
+                 ") was measured: robust, its error unknown";
     return choice;
   }
   std::string remark;

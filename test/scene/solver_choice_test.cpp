@@ -125,12 +125,14 @@ TEST(SolverChoice, DividesALongStepAndPaysForAShortOne) {
   EXPECT_GT(often.cpu, 0.9) << "explicit, which divides a step anyway, or sixteen times 0.1";
 }
 
-TEST(SolverChoice, PrefersScenesInContactForAScenesInContact) {
+TEST(SolverChoice, IsMeasuredInContactForAContactSceneOrRobust) {
   SolverTable table = two_sheets();
   SceneFeatures touching = sheet(400, 20);
   touching.contact = true;
-  EXPECT_NE(choose_solver(touching, {0.02, kNoBudget, {}}, table).why.find("none like it was measured in contact"),
-            std::string::npos);
+  const SolverChoice robust = choose_solver(touching, {0.02, kNoBudget, {}}, table);
+  EXPECT_FALSE(robust.measured());
+  EXPECT_EQ(robust.configuration.integrator, "implicit_euler");
+  EXPECT_NE(robust.why.find("(sheet on a grid in contact) was measured"), std::string::npos) << robust.why;
   SceneFeatures ball = sheet(3200, 40);
   ball.contact = true;
   table.scenes.push_back({"ball", ball, {{1, 0.01, 20.0}}, {0}, {}});

@@ -74,12 +74,17 @@ TEST(StiffOnSoft, BallLiesOnTheMat) {
 }
 
 TEST(StiffOnSoft, BallIsNotThrownByStepsThatAreNotSolved) {
-  // A scheme that was chosen for softer scenes, one Newton iteration a step, does not solve the impact. Such a step
-  // that also makes energy is no step: implicit Euler with time makes it. Thrown up to 32 m before that, by 736 J.
-  const auto world = ball_above_mat("dt: 0.01", 0.003);
-  check("F14", "energy that no work explains, over that of the fall, solver: auto", created(world.get(), 0.3), 0.0, 0.1,
-        Tolerance::kAbsolute);
-  EXPECT_LT(world->state().x.row(2).maxCoeff(), 0.3);
+  // A scheme for softer scenes, one Newton iteration a step, does not solve the impact. Such a step that also makes
+  // energy is no step: implicit Euler with time makes it. Thrown up to 32 m before that, by 736 J. Nothing like it was
+  // measured in contact: `auto` takes no such scheme.
+  for (const std::string scheme : {"", ", integrator: tr_bdf2, newton_iterations: 1, linear_solver: multigrid"}) {
+    SCOPED_TRACE(scheme);
+    const auto world = ball_above_mat("dt: 0.01" + scheme, 0.003);
+    EXPECT_EQ(world->settings().integrator, scheme.empty() ? "implicit_euler" : "tr_bdf2");
+    check("F14", "energy that no work explains, over that of the fall", created(world.get(), 0.3), 0.0, 0.1,
+          Tolerance::kAbsolute);
+    EXPECT_LT(world->state().x.row(2).maxCoeff(), 0.3);
+  }
 }
 
 }  // namespace
