@@ -14,6 +14,7 @@
 #include "deformable_sim/scene/build.h"
 #include "deformable_sim/scene/export_frames.h"
 #include "deformable_sim/scene/load.h"
+#include "deformable_sim/scene/progress.h"
 #include "deformable_sim/scene/run_report.h"
 #include "deformable_sim/scene/script.h"
 #include "deformable_sim/scene/state_file.h"
@@ -143,12 +144,16 @@ double seconds_of(clockid_t clock) {
 class Run {
  public:
   Run(const Arguments& arguments, const SceneSpec& scene, World* world)
-      : arguments_(arguments), world_(world), script_(scene.script) {
+      : arguments_(arguments),
+        world_(world),
+        script_(scene.script),
+        progress_(Progress::fitting(arguments.quiet)),
+        began_(seconds_of(CLOCK_MONOTONIC)) {
     if (!arguments.restore.empty()) {
       const SavedState saved = read_state_file(arguments.restore);
       world->restore(saved.world);
       script_.go_on_after(saved.script);
-      next_frame_ = next_look_ = world->time();
+      next_frame_ = next_look_ = start_ = world->time();
     }
     if (!arguments.out.empty()) frames_.emplace(arguments.out, arguments.format);
   }
@@ -181,7 +186,6 @@ class Run {
     take(world_->snapshot());
     report.bill = world_->bill();
     report.solver = world_->settings().chosen;
-    if (progress_shown_) std::fputc('\n', stderr);
   }
 
  private:
@@ -190,7 +194,7 @@ class Run {
   bool play_script() {
     const Reply reply = play(&script_, world_);
     if (!reply.status.ok()) report.error = reply.status.message;
-    if (!reply.note.empty() && !arguments_.quiet) std::cerr << "\n" << reply.note << "\n";
+    if (!reply.note.empty()) progress_.say(reply.note);
     return reply.status.ok();
   }
 
@@ -206,7 +210,7 @@ class Run {
       next_frame_ += arguments_.every;
     }
     if (look_due) next_look_ = time + 0.05;
-    if (!arguments_.quiet) show_progress(now);
+    show_progress(now);
   }
 
   void take(const Snapshot& now) {
@@ -216,12 +220,11 @@ class Run {
   }
 
   void show_progress(const Snapshot& now) {
-    const double wall = seconds_of(CLOCK_MONOTONIC);
-    if (progress_shown_ && wall - last_progress_ < 0.2) return;
-    last_progress_ = wall;
-    progress_shown_ = true;
-    std::fprintf(stderr, "\r%8.2f / %g s, real-time factor %6.2f, strain %5.2f %%", now.time, arguments_.seconds,
-                 report.real_time_factor(), 100 * report.max_strain);
+    const double wall = seconds_of(CLOCK_MONOTONIC) - began_, done = (now.time - start_) / arguments_.seconds;
+    char text[80];
+    std::snprintf(text, sizeof text, "%.2f s simulated, %.2f times real time, strain %.2f %%", now.time,
+                  report.real_time_factor(), 100 * report.max_strain);
+    progress_.show(text, wall, done > 0.0 ? wall * (1.0 - done) / done : 0.0);
   }
 
   const Arguments& arguments_;
@@ -229,8 +232,9 @@ class Run {
   Script script_;
   std::optional<FrameWriter> frames_;
   double next_frame_ = 0.0, next_look_ = 0.0;
-  double last_progress_ = 0.0;
-  bool progress_shown_ = false;
+  double start_ = 0.0;  // s, simulated
+  Progress progress_;
+  double began_ = 0.0;  // s, wall
 };
 
 int simulate(const Arguments& arguments) {

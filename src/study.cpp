@@ -1,6 +1,7 @@
 // Studies. The virtual test bench puts a material of the tables on simulated specimens and reports what is measured;
 // work_precision finds what a scene's error costs, stability where steps are stable and right. No ROS.
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -9,6 +10,7 @@
 
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/scene/material_library.h"
+#include "deformable_sim/scene/progress.h"
 #include "study/bench.h"
 #include "study/fuzz_command.h"
 #include "study/solver_report.h"
@@ -22,7 +24,7 @@ using namespace deformable_sim;
 constexpr int kDone = 0, kFailed = 1, kRefused = 2;
 
 const char kUsage[] =
-    "usage: study material MATERIAL [--model M] [--out DIR] [--quick] [--json]\n"
+    "usage: study material MATERIAL [--model M] [--out DIR] [--quick] [--json] [--quiet]\n"
     "       study work_precision SCENE | --suite ...      (study work_precision --help)\n"
     "       study fuzz               scenes made at random, stepped and watched   (study fuzz --help)\n"
     "       study stability [--scene S] ...               (study stability --help)\n"
@@ -37,6 +39,7 @@ const char kUsage[] =
     "--out DIR             writes MATERIAL.json and MATERIAL.csv there\n"
     "--quick               two coarse meshes and no drape\n"
     "--json                prints JSON instead of the table\n"
+    "--quiet               no progress\n"
     "--material-reference  prints the page of all materials\n"
     "\n"
     "Exit codes: 0 done, 1 a test could not be made, 2 the input was refused.\n";
@@ -44,7 +47,7 @@ const char kUsage[] =
 struct Arguments {
   std::string material, model, out;
   study::Effort effort = study::Effort::kFull;
-  bool json = false;
+  bool json = false, quiet = false;
 };
 
 Arguments read_arguments(const std::vector<std::string>& words) {
@@ -67,8 +70,10 @@ Arguments read_arguments(const std::vector<std::string>& words) {
       a.effort = study::Effort::kQuick;
     } else if (word == "--json") {
       a.json = true;
+    } else if (word == "--quiet") {
+      a.quiet = true;
     } else if (word.size() > 1 && word[0] == '-') {
-      throw InputError("unknown option " + word + "; there is --model, --out, --quick, --json and --help");
+      throw InputError("unknown option " + word + "; there is --model, --out, --quick, --json, --quiet and --help");
     } else if (!a.material.empty()) {
       throw InputError("one material at a time: '" + a.material + "' and '" + word + "'");
     } else {
@@ -86,29 +91,53 @@ std::vector<std::string> chosen(const std::string& asked, const std::vector<std:
   return {asked.empty() ? suitable : asked};
 }
 
-struct Studies {
-  const Arguments& arguments;
-  std::vector<study::Report> reports;
+class Studies {
+ public:
+  explicit Studies(const Arguments& arguments)
+      : arguments_(arguments),
+        progress_(Progress::fitting(arguments.quiet)),
+        bench_{arguments.effort, [this](const std::string& test) { tell(test); }} {}
 
-  void show(const study::Report& report) {
-    if (!arguments.json) std::cout << (reports.empty() ? "" : "\n") << study::text_of(report) << std::flush;
-    reports.push_back(report);
-  }
   void operator()(const SolidData& solid) {
-    for (const auto& m : chosen(arguments.model, study::solid_models(), solid.law + "_quadratic")) {
-      show(study::study_solid(solid, m, arguments.effort));
-    }
+    for (const auto& m : choose(study::solid_models(), solid.law + "_quadratic"))
+      show(study::study_solid(solid, m, bench_));
   }
   void operator()(const FabricData& fabric) {
-    for (const auto& m : chosen(arguments.model, study::cloth_models(), "membrane")) {
-      show(study::study_cloth(fabric, m, arguments.effort));
-    }
+    for (const auto& m : choose(study::cloth_models(), "membrane")) show(study::study_cloth(fabric, m, bench_));
   }
   void operator()(const RopeData& rope) {
-    for (const auto& m : chosen(arguments.model, study::rope_models(), "rod")) {
-      show(study::study_rope(rope, m, arguments.effort));
-    }
+    for (const auto& m : choose(study::rope_models(), "rod")) show(study::study_rope(rope, m, bench_));
   }
+
+  std::vector<study::Report> reports;
+
+ private:
+  static constexpr double kUsual = 25.0;  // measurements of a model
+
+  std::vector<std::string> choose(const std::vector<std::string>& all, const std::string& suitable) {
+    const std::vector<std::string> models = chosen(arguments_.model, all, suitable);
+    models_ = models.size();
+    return models;
+  }
+  void show(const study::Report& report) {
+    progress_.wipe();
+    if (!arguments_.json) std::cout << (reports.empty() ? "" : "\n") << study::text_of(report) << std::flush;
+    reports.push_back(report);
+    measured_ = 0.0;
+  }
+  void tell(const std::string& test) {
+    const double here = std::min(measured_++ / kUsual, 1.0), whole = static_cast<double>(models_);
+    const double share = std::max(1e-3, (static_cast<double>(reports.size()) + here) / whole);
+    const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    progress_.show(test, taken, taken * (1.0 - share) / share);
+  }
+
+  const Arguments& arguments_;
+  Progress progress_;
+  study::Bench bench_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  size_t models_ = 1;
+  double measured_ = 0.0;  // of the present model
 };
 
 void write(const std::filesystem::path& path, const std::string& text) {
@@ -128,7 +157,7 @@ int study_material(const Arguments& arguments) {
   const MaterialLibrary library = load_material_library(default_material_dir());
   const auto material = library.find(arguments.material);
   if (!arguments.out.empty()) make_folder(arguments.out);
-  Studies studies{arguments, {}};
+  Studies studies(arguments);
   std::visit(studies, material);
   if (arguments.json) std::cout << study::json_of(studies.reports);
   if (!arguments.out.empty()) {

@@ -17,6 +17,7 @@ void Archive::end() const {
 }
 
 void Archive::pass_raw(void* data, std::size_t size) {
+  if (size == 0) return;  // of nothing, `data` may be null
   if (!reads_) {
     bytes_.append(static_cast<const char*>(data), size);
     return;

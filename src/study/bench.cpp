@@ -8,14 +8,16 @@
 
 namespace deformable_sim::study {
 
-Row row_of(const std::string& test, const std::string& quantity, const std::string& unit, std::optional<double> put_in,
-           const std::vector<int>& sizes, const std::function<Measurement(int)>& measure) {
+Row row_of(const Bench& bench, const std::string& test, const std::string& quantity, const std::string& unit,
+           std::optional<double> put_in, const std::vector<int>& sizes,
+           const std::function<Measurement(int)>& measure) {
   Row row;
   row.test = test;
   row.quantity = quantity;
   row.unit = unit;
   row.put_in = put_in;
   for (const int size : sizes) {
+    if (bench.tell) bench.tell(test);
     const double start = thread_cpu_time();
     Measurement m = measure(size);
     m.cpu_seconds = thread_cpu_time() - start;

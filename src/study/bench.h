@@ -18,14 +18,20 @@ std::vector<std::string> cloth_models();
 std::vector<std::string> rope_models();
 std::vector<std::string> solid_models();
 
+/// `tell` (or none) hears of every measurement before it is made: which test.
+struct Bench {
+  Effort effort = Effort::kFull;
+  std::function<void(const std::string& test)> tell;
+};
+
 /// Throw InputError listing the models.
-Report study_cloth(const FabricData& fabric, const std::string& model, Effort effort);
-Report study_rope(const RopeData& rope, const std::string& model, Effort effort);
-Report study_solid(const SolidData& solid, const std::string& model, Effort effort);
+Report study_cloth(const FabricData& fabric, const std::string& model, const Bench& bench);
+Report study_rope(const RopeData& rope, const std::string& model, const Bench& bench);
+Report study_solid(const SolidData& solid, const std::string& model, const Bench& bench);
 
 /// Runs `measure` at each size and times it.
-Row row_of(const std::string& test, const std::string& quantity, const std::string& unit, std::optional<double> put_in,
-           const std::vector<int>& sizes, const std::function<Measurement(int)>& measure);
+Row row_of(const Bench& bench, const std::string& test, const std::string& quantity, const std::string& unit,
+           std::optional<double> put_in, const std::vector<int>& sizes, const std::function<Measurement(int)>& measure);
 
 /// Throws InputError "no model 'x' for cloth; there is ...".
 void check_model(const std::string& model, const std::vector<std::string>& models, const std::string& kind);

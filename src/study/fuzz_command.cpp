@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "deformable_sim/core/error.h"
+#include "deformable_sim/scene/progress.h"
 #include "fuzz_reduce.h"
 #include "fuzz_run.h"
 #include "fuzz_scene.h"
@@ -174,9 +175,7 @@ std::string reduced(const Case& failing, const Outcome& outcome, const std::stri
 class Campaign {
  public:
   explicit Campaign(const Arguments& a)
-      : a_(a),
-        folder_(a.out),
-        progress_(a.quiet ? work_precision::Progress::Manner::kSilent : work_precision::Progress::fitting()) {}
+      : a_(a), folder_(a.out), progress_(Progress::fitting(a.quiet), work_precision::kLeft) {}
 
   int run() {
     limits_.seconds = a_.seconds;
@@ -221,7 +220,7 @@ class Campaign {
 
   const Arguments& a_;
   Folder folder_;
-  work_precision::Progress progress_;
+  Progress progress_;
   Limits limits_;
   Tally tally_;
   std::map<std::string, int> kept_;

@@ -99,8 +99,7 @@ int command(const std::vector<std::string>& words) {
     scene = load_scene_file(find_scene(a.scene, default_scene_dir()));
     if (!scene.script.empty()) throw InputError(a.scene + ": has a script, which a study does not play");
   }
-  using work_precision::Progress;
-  Progress progress(a.quiet ? Progress::Manner::kSilent : Progress::fitting());
+  Progress progress(Progress::fitting(a.quiet), work_precision::kLeft);
   const bool quick = a.effort == study::Effort::kQuick;
   const work_precision::Budget budget(a.budget.value_or(quick ? kQuickBudget : kFullBudget));
   const Map map = make_map(plan(a.effort, a.scene.empty() ? nullptr : &scene), budget, &progress);

@@ -199,7 +199,7 @@ std::vector<Row> run_column(const Plan& plan, const Column& column, double most,
   return rows;
 }
 
-Map make_map(const Plan& plan, const work_precision::Budget& budget, work_precision::Progress* progress) {
+Map make_map(const Plan& plan, const work_precision::Budget& budget, Progress* progress) {
   Map map;
   const SolverTable table = read_solver_table(solver_table_file());
   if (plan.scene == nullptr) {

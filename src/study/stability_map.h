@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bench.h"
+#include "deformable_sim/scene/progress.h"
 #include "stability_limits.h"
 #include "stability_run.h"
 #include "work_precision_budget.h"
@@ -60,7 +61,7 @@ std::vector<Stepper> steppers(const Plan& plan, const Column& column);
 std::vector<Row> run_column(const Plan& plan, const Column& column, double most, const SolverTable& table);
 
 /// Columns in turn until the budget is spent; then the limits of the explicit schemes (not with a scene).
-Map make_map(const Plan& plan, const work_precision::Budget& budget, work_precision::Progress* progress);
+Map make_map(const Plan& plan, const work_precision::Budget& budget, Progress* progress);
 
 /// One line a cell.
 std::string csv_of(const Map& map);

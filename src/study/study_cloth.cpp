@@ -22,7 +22,8 @@ const char kBiasClamp[] =
 
 constexpr double kDrapesAgree = 3.0;  // percent of the ring, between meshes
 
-void add_plane_tests(const FabricData& f, const ClothModel& model, const std::vector<int>& sizes, Report* report) {
+void add_plane_tests(const Bench& bench, const FabricData& f, const ClothModel& model, const std::vector<int>& sizes,
+                     Report* report) {
   const auto traction = [&](Along along, bool ratio) {
     return [&f, &model, along, ratio](int n) {
       const Traction t = pull_strip(f, model, along, n);
@@ -31,17 +32,18 @@ void add_plane_tests(const FabricData& f, const ClothModel& model, const std::ve
   };
   auto& rows = report->rows;
   const double c12 = f.stable_poisson();
-  rows.push_back(
-      row_of("traction", "force/width/strain, warp", "N/m", f.traction_warp(), sizes, traction(Along::kWarp, false)));
-  rows.push_back(
-      row_of("traction", "force/width/strain, weft", "N/m", f.traction_weft(), sizes, traction(Along::kWeft, false)));
-  rows.push_back(row_of("traction", "Poisson's ratio, pulled along warp", "", f.poissons_ratio(), sizes,
+  rows.push_back(row_of(bench, "traction", "force/width/strain, warp", "N/m", f.traction_warp(), sizes,
+                        traction(Along::kWarp, false)));
+  rows.push_back(row_of(bench, "traction", "force/width/strain, weft", "N/m", f.traction_weft(), sizes,
+                        traction(Along::kWeft, false)));
+  rows.push_back(row_of(bench, "traction", "Poisson's ratio, pulled along warp", "", f.poissons_ratio(), sizes,
                         traction(Along::kWarp, true)));
-  rows.push_back(
-      row_of("shear", "shear stress / angle", "N/m", f.shear, sizes, [&](int n) { return shear_square(f, model, n); }));
-  rows.push_back(row_of("compression", "mean pressure / loss of area", "N/m", 0.25 * (f.warp + f.weft + 2.0 * c12),
-                        sizes, [&](int n) { return compress_square(f, model, n); }));
-  rows.push_back(row_of("bias extension", "stress / strain at 45 degrees", "N/m", f.traction_bias(), sizes,
+  rows.push_back(row_of(bench, "shear", "shear stress / angle", "N/m", f.shear, sizes,
+                        [&](int n) { return shear_square(f, model, n); }));
+  rows.push_back(row_of(bench, "compression", "mean pressure / loss of area", "N/m",
+                        0.25 * (f.warp + f.weft + 2.0 * c12), sizes,
+                        [&](int n) { return compress_square(f, model, n); }));
+  rows.push_back(row_of(bench, "bias extension", "stress / strain at 45 degrees", "N/m", f.traction_bias(), sizes,
                         [&](int n) { return pull_on_the_bias(f, model, n); }));
   if (!model.springs) return;
   for (Row& row : rows) {
@@ -49,10 +51,11 @@ void add_plane_tests(const FabricData& f, const ClothModel& model, const std::ve
   }
 }
 
-void add_bending_tests(const FabricData& f, const ClothModel& model, const std::vector<int>& sizes, Report* report) {
+void add_bending_tests(const Bench& bench, const FabricData& f, const ClothModel& model, const std::vector<int>& sizes,
+                       Report* report) {
   auto& rows = report->rows;
   const auto bend = [&](const std::string& what, double put_in, double angle, bool draw) {
-    rows.push_back(row_of("cantilever 41.5", what, "N m", put_in, sizes,
+    rows.push_back(row_of(bench, "cantilever 41.5", what, "N m", put_in, sizes,
                           [&](int n) { return bend_strip(f, model, angle, n, draw ? &report->curves : nullptr); }));
     if (model.bend_springs) rows.back().gap = kSpringsNoBending;
   };
@@ -67,22 +70,23 @@ void add_bending_tests(const FabricData& f, const ClothModel& model, const std::
     }
   }
   if (model.bend_springs) return;
-  rows.push_back(row_of("torsion", "twisting moment / 2 twist", "N m",
+  rows.push_back(row_of(bench, "torsion", "twisting moment / 2 twist", "N m",
                         f.bend_twist().value_or(0.5 * std::sqrt(f.bend_warp * f.bend_weft)), sizes,
                         [&](int n) { return twist_square(f, model, n); }));
 }
 
-void add_drape(const FabricData& f, const ClothModel& model, Report* report) {
+void add_drape(const Bench& bench, const FabricData& f, const ClothModel& model, Report* report) {
   std::vector<Measurement> folds;
   bool settled = true;
   DrapeShape shape;
-  report->rows.push_back(row_of("Cusick drape", "drape coefficient", "%", std::nullopt, {3, 6, 12}, [&](int rings) {
-    const Drape found = drape(f, model, rings, &shape);
-    folds.push_back({found.nodes, static_cast<double>(found.folds), 0.0});
-    report->curves.push_back(found.outline);
-    settled = settled && found.settled;
-    return Measurement{found.nodes, found.coefficient, 0.0};
-  }));
+  report->rows.push_back(
+      row_of(bench, "Cusick drape", "drape coefficient", "%", std::nullopt, {3, 6, 12}, [&](int rings) {
+        const Drape found = drape(f, model, rings, &shape);
+        folds.push_back({found.nodes, static_cast<double>(found.folds), 0.0});
+        report->curves.push_back(found.outline);
+        settled = settled && found.settled;
+        return Measurement{found.nodes, found.coefficient, 0.0};
+      }));
   Row& coefficient = report->rows.back();
   if (!settled) {
     coefficient.gap = "the statics did not settle at every size: the sheet is still sliding";
@@ -98,7 +102,7 @@ void add_drape(const FabricData& f, const ClothModel& model, Report* report) {
 
 }  // namespace
 
-Report study_cloth(const FabricData& fabric, const std::string& name, Effort effort) {
+Report study_cloth(const FabricData& fabric, const std::string& name, const Bench& bench) {
   const ClothModel model = cloth_model(name);
   Report report;
   report.material = fabric.origin.name;
@@ -106,10 +110,10 @@ Report study_cloth(const FabricData& fabric, const std::string& name, Effort eff
   report.kind = "fabric";
   report.model = name;
   report.source = fabric.origin.source;
-  const bool full = effort == Effort::kFull;
-  add_plane_tests(fabric, model, full ? std::vector<int>{2, 4, 8} : std::vector<int>{2, 4}, &report);
-  add_bending_tests(fabric, model, full ? std::vector<int>{8, 16, 32} : std::vector<int>{6, 12}, &report);
-  if (full) add_drape(fabric, model, &report);
+  const bool full = bench.effort == Effort::kFull;
+  add_plane_tests(bench, fabric, model, full ? std::vector<int>{2, 4, 8} : std::vector<int>{2, 4}, &report);
+  add_bending_tests(bench, fabric, model, full ? std::vector<int>{8, 16, 32} : std::vector<int>{6, 12}, &report);
+  if (full) add_drape(bench, fabric, model, &report);
   if (model.springs) report.gaps = {kSpringsOneModulus, kSpringsCauchy};
   if (model.bend_springs) report.gaps.push_back(kSpringsNoBending);
   if (fabric.stable_poisson() != fabric.poisson) {

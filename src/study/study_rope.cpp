@@ -131,7 +131,7 @@ std::vector<std::string> rope_models() {
   return {"springs", "rod"};
 }
 
-Report study_rope(const RopeData& rope, const std::string& model, Effort effort) {
+Report study_rope(const RopeData& rope, const std::string& model, const Bench& bench) {
   check_model(model, rope_models(), "rope");
   Report report;
   report.material = rope.origin.name;
@@ -139,18 +139,18 @@ Report study_rope(const RopeData& rope, const std::string& model, Effort effort)
   report.kind = "rope";
   report.model = model;
   report.source = rope.origin.source;
-  const std::vector<int> sizes = effort == Effort::kFull ? std::vector<int>{10, 20, 40} : std::vector<int>{8, 16};
+  const std::vector<int> sizes = bench.effort == Effort::kFull ? std::vector<int>{10, 20, 40} : std::vector<int>{8, 16};
   auto& rows = report.rows;
-  rows.push_back(
-      row_of("traction", "EA = force / strain", "N", rope.axial, sizes, [&](int n) { return pull(rope, model, n); }));
-  rows.push_back(row_of("cantilever 41.5", "EI", "N m^2", rope.bending, sizes,
+  rows.push_back(row_of(bench, "traction", "EA = force / strain", "N", rope.axial, sizes,
+                        [&](int n) { return pull(rope, model, n); }));
+  rows.push_back(row_of(bench, "cantilever 41.5", "EI", "N m^2", rope.bending, sizes,
                         [&](int n) { return bend(rope, model, n, &report.curves); }));
   if (model == "springs") {
     rows.back().gap = "bend springs have no linear bending stiffness: what a cantilever shows depends on the mesh";
     report.gaps = {"a chain of springs has no twist: it neither stores nor passes on a torque",
                    "a chain of springs has no linear bending stiffness; use the rod for ropes that stand out"};
   } else {
-    rows.push_back(row_of("torsion", "GJ = torque length / angle", "N m^2", rope.twist, sizes,
+    rows.push_back(row_of(bench, "torsion", "GJ = torque length / angle", "N m^2", rope.twist, sizes,
                           [&](int n) { return turn(rope, model, n); }));
   }
   return report;

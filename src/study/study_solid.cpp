@@ -181,7 +181,7 @@ std::vector<std::string> solid_models() {
   return names;
 }
 
-Report study_solid(const SolidData& solid, const std::string& name, Effort effort) {
+Report study_solid(const SolidData& solid, const std::string& name, const Bench& bench) {
   const SolidModel model = solid_model(name);
   Report report;
   report.material = solid.origin.name;
@@ -189,7 +189,7 @@ Report study_solid(const SolidData& solid, const std::string& name, Effort effor
   report.kind = "solid";
   report.model = name;
   report.source = solid.origin.source;
-  const bool full = effort == Effort::kFull;
+  const bool full = bench.effort == Effort::kFull;
   const std::vector<int> sizes = full ? std::vector<int>{1, 2, 4} : std::vector<int>{1, 2};
   const Mat3 swell = -Mat3::Identity();
   Mat3 shear = Mat3::Zero();
@@ -201,16 +201,17 @@ Report study_solid(const SolidData& solid, const std::string& name, Effort effor
     };
   };
   auto& rows = report.rows;
-  rows.push_back(row_of("traction", "E = stress / strain", "Pa", solid.youngs_modulus, sizes, traction(false)));
-  rows.push_back(row_of("traction", "Poisson's ratio", "", solid.poissons_ratio, sizes, traction(true)));
-  rows.push_back(row_of("shear", "G = shear stress / angle", "Pa", solid.shear_modulus(), sizes,
+  rows.push_back(row_of(bench, "traction", "E = stress / strain", "Pa", solid.youngs_modulus, sizes, traction(false)));
+  rows.push_back(row_of(bench, "traction", "Poisson's ratio", "", solid.poissons_ratio, sizes, traction(true)));
+  rows.push_back(row_of(bench, "shear", "G = shear stress / angle", "Pa", solid.shear_modulus(), sizes,
                         [&](int n) { return deform_cube(solid, model, shear, n); }));
-  rows.push_back(row_of("compression", "K = pressure / loss of volume", "Pa", solid.bulk_modulus(), sizes, [&](int n) {
-    Measurement m = deform_cube(solid, model, swell, n);
-    m.value /= 9.0;  // work 3 P per epsilon, loss of volume 3 epsilon
-    return m;
-  }));
-  rows.push_back(row_of("bent bar, L/h = 10", "E from the deflection", "Pa", solid.youngs_modulus, sizes,
+  rows.push_back(
+      row_of(bench, "compression", "K = pressure / loss of volume", "Pa", solid.bulk_modulus(), sizes, [&](int n) {
+        Measurement m = deform_cube(solid, model, swell, n);
+        m.value /= 9.0;  // work 3 P per epsilon, loss of volume 3 epsilon
+        return m;
+      }));
+  rows.push_back(row_of(bench, "bent bar, L/h = 10", "E from the deflection", "Pa", solid.youngs_modulus, sizes,
                         [&](int n) { return bend(solid, model, n); }));
   if (!model.quadratic && !model.lattice) {
     rows.back().gap =
@@ -218,7 +219,7 @@ Report study_solid(const SolidData& solid, const std::string& name, Effort effor
         "elements through the thickness; quadratic ones do not";
   }
   const std::vector<int> finer = model.quadratic ? sizes : full ? std::vector<int>{2, 4, 8} : std::vector<int>{2, 4};
-  rows.push_back(row_of("torsion", "G from the torque", "Pa", solid.shear_modulus(), finer,
+  rows.push_back(row_of(bench, "torsion", "G from the torque", "Pa", solid.shear_modulus(), finer,
                         [&](int n) { return twist(solid, model, n); }));
   if (model.lattice) {
     report.gaps.push_back(

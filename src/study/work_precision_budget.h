@@ -1,9 +1,10 @@
-// CPU time of a study, and what is said while it runs.
+// CPU time of a study.
 #pragma once
 
-#include <string>
-
 namespace deformable_sim::work_precision {
+
+/// What a Progress says of the time that is left of a budget.
+inline constexpr char kLeft[] = "left at most";
 
 /// Counts the CPU time of this thread.
 class Budget {
@@ -15,29 +16,6 @@ class Budget {
 
  private:
   double total_, began_;
-};
-
-/// A bar on a terminal, lines elsewhere, or nothing.
-class Progress {
- public:
-  enum class Manner { kBar, kLines, kSilent };
-  /// kBar on a terminal, kLines elsewhere.
-  static Manner fitting();
-  explicit Progress(Manner manner) : manner_(manner) {}
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  /// A line that stays.
-  void say(const std::string& line);
-  /// What is done now; `left` CPU seconds to go, at most.
-  void show(const std::string& what, double done, double left);
-
- private:
-  void wipe();
-  Manner manner_;
-  bool drawn_ = false;
-  double last_ = -1.0;  // share of the last line
 };
 
 }  // namespace deformable_sim::work_precision

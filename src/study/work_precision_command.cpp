@@ -217,7 +217,7 @@ int command(const std::vector<std::string>& words) {
   }
   const Arguments a = read_arguments(words);
   if (!a.out.empty()) fs::create_directories(a.out);
-  Progress progress(a.quiet ? Progress::Manner::kSilent : Progress::fitting());
+  Progress progress(Progress::fitting(a.quiet), kLeft);
   for (const std::string& scene : a.scenes) {
     const std::unique_ptr<Case> c = make_case(a, scene);
     const Result result = study_case(*c, a, &progress);

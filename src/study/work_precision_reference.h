@@ -1,6 +1,7 @@
 // A solution that has converged in time, and how well that is known.
 #pragma once
 
+#include "deformable_sim/scene/progress.h"
 #include "work_precision_budget.h"
 #include "work_precision_errors.h"
 #include "work_precision_run.h"

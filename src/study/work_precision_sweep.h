@@ -1,6 +1,7 @@
 // All configurations of a plan, cheap ones first, as far as the budget goes.
 #pragma once
 
+#include "deformable_sim/scene/progress.h"
 #include "work_precision_budget.h"
 #include "work_precision_errors.h"
 #include "work_precision_plan.h"
