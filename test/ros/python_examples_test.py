@@ -41,8 +41,10 @@ class Examples(unittest.TestCase):
                               env=dict(os.environ, **(environment or {})))
 
     def run_example(self, name, *arguments, expect=0):
-        # As rosrun finds it.
-        done = self.run_program(roslib.packages.find_node('deformable_sim', name)[0], *arguments)
+        # As rosrun finds it, which asks back where there are two.
+        found = roslib.packages.find_node('deformable_sim', name)
+        self.assertEqual(len(found), 1, found)
+        done = self.run_program(found[0], *arguments)
         self.assertEqual(done.returncode, expect, done.stdout)
         return done.stdout
 
