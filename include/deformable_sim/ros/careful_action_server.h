@@ -15,7 +15,8 @@ namespace deformable_sim {
 
 /// actionlib's bookkeeping of goals behind careful subscriptions. actionlib::ActionServer adds 5 s to whatever time a
 /// goal carries, which throws for the latest ones, and keeps goals of the future and cancelled goals that never come
-/// for ever: here times are those of now at most, and the list is bounded.
+/// for ever: here times are those of now at most, and the list is bounded. It also forgets goals whenever it tells of
+/// them, which goalCallback() has it do while it looks at one of them: here a timer alone forgets.
 template <class Spec>
 class CarefulActionServer : public actionlib::ActionServerBase<Spec> {
   using Base = actionlib::ActionServerBase<Spec>;
@@ -41,8 +42,10 @@ class CarefulActionServer : public actionlib::ActionServerBase<Spec> {
     result_ = nh_.advertise<ActionResult>("result", kQueue);
     feedback_ = nh_.advertise<ActionFeedback>("feedback", kQueue);
     status_ = nh_.advertise<actionlib_msgs::GoalStatusArray>("status", kQueue, true);
-    timer_ =
-        nh_.createWallTimer(ros::WallDuration(kStatusPeriod), [this](const ros::WallTimerEvent&) { publishStatus(); });
+    timer_ = nh_.createWallTimer(ros::WallDuration(kStatusPeriod), [this](const ros::WallTimerEvent&) {
+      publishStatus();
+      forget_old_goals();
+    });
     auto goals = careful_subscription<ActionGoal>("goal", kQueue, [this](const auto& goal) { take(*goal); });
     auto cancels =
         careful_subscription<actionlib_msgs::GoalID>("cancel", kQueue, [this](const auto& id) { take(*id); });
@@ -95,19 +98,23 @@ class CarefulActionServer : public actionlib::ActionServerBase<Spec> {
   void publishStatus() override {
     const boost::recursive_mutex::scoped_lock lock(this->lock_);
     if (!this->started_) return;
-    const ros::Time now = ros::Time::now();
     actionlib_msgs::GoalStatusArray message;
-    message.header.stamp = now;
-    for (auto it = this->status_list_.begin(); it != this->status_list_.end();) {
-      message.status_list.push_back(it->status_);
-      const ros::Time over = it->handle_destruction_time_;
-      // Of a cancelled goal that has not come nobody holds a handle, and its time may be unset.
-      const bool waits_for_its_goal = it->status_.status == actionlib_msgs::GoalStatus::RECALLING;
-      const bool forget = over.isZero() ? waits_for_its_goal && this->status_list_.size() >= kMostGoals
-                                        : over + this->status_list_timeout_ < now;
-      it = forget ? this->status_list_.erase(it) : std::next(it);
-    }
+    message.header.stamp = ros::Time::now();
+    for (const auto& tracker : this->status_list_) message.status_list.push_back(tracker.status_);
     status_.publish(message);
+  }
+
+  void forget_old_goals() {
+    const boost::recursive_mutex::scoped_lock lock(this->lock_);
+    const ros::Time now = ros::Time::now();
+    this->status_list_.remove_if([&](auto& tracker) {
+      if (!tracker.handle_tracker_.expired()) return false;
+      // Unset of a cancelled goal without a stamp that has not come, and where the last handle is just being let go;
+      // of the future when time went back.
+      ros::Time& over = tracker.handle_destruction_time_;
+      if (over.isZero() || over > now) over = now;
+      return over + this->status_list_timeout_ < now;
+    });
   }
 
   ros::NodeHandle nh_;
