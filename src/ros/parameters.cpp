@@ -145,6 +145,7 @@ std::string summary(const Parameters& p) {
        << (p.publish_clock ? " (publishes /clock)" : "") << ", rates: markers " << rate(p.rate_markers) << ", points "
        << rate(p.rate_points) << ", state " << rate(p.rate_state) << ", threads " << p.threads << ", tf_timeout "
        << p.tf_timeout << " s, when late " << to_string(p.when_late) << (p.start_paused ? ", starts paused" : "");
+  if (p.priority > 0) line << ", real-time priority " << p.priority;
   for (const CameraParameters& camera : p.cameras) line << ", camera " << camera.name;
   return line.str();
 }
@@ -194,6 +195,7 @@ Parameters read_parameters(const ros::NodeHandle& private_nh) {
   reader.read_real("rate_state", 0.0, 1000.0, &p.rate_state);
   reader.read("cameras", &p.cameras);
   reader.read("threads", 1, 64, &p.threads);
+  reader.read("priority", 0, 99, &p.priority);
   std::string when_late = to_string(p.when_late);
   reader.read("when_late", &when_late);
   p.when_late = to_late_policy(when_late);
@@ -201,6 +203,8 @@ Parameters read_parameters(const ros::NodeHandle& private_nh) {
   reader.read("start_paused", &p.start_paused);
   reader.read_real("tf_timeout", 0.001, 10.0, &p.tf_timeout);
   p.clock = to_clock_mode(clock);
+  if (p.priority > 0 && p.clock != ClockMode::kRealTime)
+    Reader::refuse("priority", "for clock real_time alone: in any other a core would be left to nothing else");
   if (p.scene.empty()) Reader::refuse("scene", "missing; a scene file, or the name of a shipped scene, is needed");
   if (p.state_dir.empty()) Reader::refuse("state_dir", "empty; a folder is needed");
   if (p.frame_id.empty() || p.frame_id[0] == '/')

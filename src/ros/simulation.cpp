@@ -7,6 +7,8 @@
 #include <ros/console.h>
 #include <ros/init.h>
 
+#include "deformable_sim/ros/real_time_priority.h"
+
 namespace deformable_sim {
 
 namespace {
@@ -288,6 +290,11 @@ double Simulation::dt() const {
 // The simulation thread from here on.
 
 void Simulation::run() {
+  const std::string refusal = take_real_time_priority(parameters_.priority);
+  if (!refusal.empty()) {
+    ROS_WARN_STREAM_NAMED("simulation", refusal);
+    warnings_->set("priority", refusal);
+  }
   // roscpp shuts down under a service that still waits, and waits for it in turn: answer it.
   while (!stopping_ && !ros::isShuttingDown()) {
     queue_.run();

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Real time that cannot be held: it is said, and what ~when_late names gives way."""
 
+import os
 import subprocess
 import tempfile
 import unittest
@@ -65,6 +66,13 @@ class Late(unittest.TestCase):
         self.assertEqual(status.wait(lambda m: True, after=len(status.messages)).time, stopped.time)
         self.assertTrue(self.sim.pause(False).success)
         status.wait(lambda m: m.time > stopped.time)
+
+    def test_it_goes_before_others_where_that_is_allowed(self):
+        status = self.start(HEAVY, '_priority:=7').wait(lambda m: m.time > 0.0)
+        refused = any('no real-time priority 7' in w for w in status.warnings)
+        policies = [(os.sched_getscheduler(thread) & ~os.SCHED_RESET_ON_FORK, os.sched_getparam(thread).sched_priority)
+                    for thread in map(int, os.listdir('/proc/%d/task' % self.node.pid))]
+        self.assertEqual(policies.count((os.SCHED_FIFO, 7)), 0 if refused else 1, policies)
 
     def test_accuracy_gives_way_and_real_time_is_held_again(self):
         status = self.start(PRECISE, '_when_late:=less_accurate', '_accuracy_floor:=1.0')

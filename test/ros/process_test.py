@@ -88,7 +88,8 @@ class Processes(unittest.TestCase):
                                     ([good, '_rate_points:=-1'], '~rate_points'),
                                     ([good, '_tf_timeout:=0'], '~tf_timeout'),
                                     ([good, '_start_paused:=maybe'], '~start_paused'),
-                                    ([good, '_threads:=0'], '~threads'), ([good, '_cameras:=5'], '~cameras'),
+                                    ([good, '_threads:=0'], '~threads'), ([good, '_priority:=100'], '~priority'),
+                                    ([good, '_priority:=5', '_clock:=on_demand'], 'real_time alone'), ([good, '_cameras:=5'], '~cameras'),
                                     ([good, '_frame_id:=/map'], '~frame_id')):
                 with self.subTest(arguments=arguments):
                     process = self.start(*arguments, '__name:=refused')

@@ -29,7 +29,8 @@ struct Parameters {
   std::optional<double> rate_points;   // Hz
   std::optional<double> rate_state;    // Hz
   std::vector<CameraParameters> cameras;
-  int threads = 1;  // for the physics, 1 ... 64
+  int threads = 1;   // for the physics, 1 ... 64
+  int priority = 0;  // 0 ... 99, SCHED_FIFO, of the simulation's thread; 0: as all others
   LatePolicy when_late = LatePolicy::kSlowDown;
   double accuracy_floor = 0.1;  // 1e-5 ... 1, error over a second up to which kLessAccurate goes
   bool start_paused = false;
