@@ -362,8 +362,8 @@ Table<OutputSpec> output_table() {
   t.number("rate_state", "Hz", &OutputSpec::rate_state, kRate, "0 = never.");
   t.choice("color_by", &OutputSpec::color_by, {"body", "strain", "stress", "velocity", "contact"},
            "What the colour shows; stress: of membranes and soft bodies.");
-  t.number("strain_range", "", &OutputSpec::strain_range, above(0, 10), "Strain shown as full colour.");
-  t.number("stress_range", "Pa", &OutputSpec::stress_range, above(0, 1e12), "Stress shown as full colour.");
+  t.number("strain_range", "", &OutputSpec::strain_range, between(1e-6, 10), "Strain shown as full colour.");
+  t.number("stress_range", "Pa", &OutputSpec::stress_range, between(1e-3, 1e12), "Stress shown as full colour.");
   t.boolean("wireframe", &OutputSpec::wireframe, "Also draw the edges.");
   t.boolean("frames", &OutputSpec::frames, "Also draw the frames of rods.");
   return t;

@@ -1,6 +1,7 @@
 """Sends hostile messages to every topic and service of one node, and checks after each batch that nothing came of them."""
 
 import math
+import re
 import socket
 import struct
 import xmlrpc.client
@@ -41,16 +42,25 @@ class Poisoned(AssertionError):
     """What a message must not do to a node."""
 
 
-def numbers(message):
-    """All floating point numbers of a message."""
+def numbers(message, path=''):
+    """All floating point numbers of a message, each with its path."""
     if isinstance(message, float):
-        yield message
+        yield path, message
     elif isinstance(message, genpy.Message):
         for slot in message.__slots__:
-            yield from numbers(getattr(message, slot))
+            yield from numbers(getattr(message, slot), '%s.%s' % (path, slot))
     elif isinstance(message, (list, tuple)) and message and not isinstance(message[0], (int, str)):
-        for item in message:
-            yield from numbers(item)
+        for k, item in enumerate(message):
+            yield from numbers(item, '%s[%d]' % (path, k))
+
+
+def owner_of(message, path):
+    """The name of the marker, or the first lines of the message, that the path leads into."""
+    marker = re.match(r'\.markers\[(\d+)\]', path)
+    if marker and hasattr(message.markers[int(marker.group(1))], 'ns'):
+        owner = message.markers[int(marker.group(1))]
+        return '%s %d, action %d, scale %s' % (owner.ns, owner.id, owner.action, owner.scale)
+    return str(message)[:200]
 
 
 class MessageFuzz:
@@ -200,8 +210,9 @@ class MessageFuzz:
         for listener in self.listeners:
             messages, listener.messages[:] = list(listener.messages), []
             for message in messages:
-                if not all(math.isfinite(number) for number in numbers(message)):
-                    raise Poisoned('%s has a number that is not finite' % listener.topic)
+                for path, number in numbers(message):
+                    if not math.isfinite(number):
+                        raise Poisoned('%s%s is %g: %s' % (listener.topic, path, number, owner_of(message, path)))
 
     def history(self):
         """Everything, at the start and after some steps."""

@@ -58,8 +58,9 @@ class Handles : public TopicsPublisher {
 
   void publish(const Instant& instant) override {
     if (!server_) {
-      server_ =
-          advertiser_.make([this] { return std::make_unique<interactive_markers::InteractiveMarkerServer>(topic_); });
+      // On a thread of its own: on the node's, its timer would publish with what its destructor has let go.
+      server_ = advertiser_.make(
+          [this] { return std::make_unique<interactive_markers::InteractiveMarkerServer>(topic_, "", true); });
     }
     std::map<std::string, Pose> present;
     for (const GraspReport& grasp : instant.snapshot.grasps) {
