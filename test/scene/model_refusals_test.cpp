@@ -248,7 +248,7 @@ INSTANTIATE_TEST_SUITE_P(
                             "s.yaml:5: outputs.stress_range: 0 is out of range"},
                     // 0 as a float, which no strain can be divided by.
                     Refusal{"strain range", cloth("friction: 1") + "outputs: {strain_range: 5.0e-324}\n",
-                            "s.yaml:5: outputs.strain_range: 5e-324 is out of range"},
+                            "s.yaml:5: outputs.strain_range: 5.0e-324 is out of range"},
                     Refusal{"frames", cloth("friction: 1") + "outputs: {frames: 1}\n",
                             "s.yaml:5: outputs.frames: must be true or false"}));
 
