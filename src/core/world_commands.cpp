@@ -1,5 +1,6 @@
 // Commands: each is checked completely before anything changes.
 #include <cmath>
+#include <utility>
 
 #include "deformable_sim/core/rod_frames.h"
 #include "world_parts.h"
@@ -34,6 +35,10 @@ void check_body_state(const Model& model, const command::SetBodyState& c) {
 }
 
 }  // namespace
+
+void World::watch(std::function<void(const Command&)> applied) {
+  applied_ = std::move(applied);
+}
 
 Reply World::apply(const Command& any) {
   Parts& w = *parts_;
@@ -129,6 +134,7 @@ Reply World::apply(const Command& any) {
     visitor.reply = Reply();
     visitor.reply.status = {e.code(), e.what()};
   }
+  if (applied_ && visitor.reply.status.ok()) applied_(any);
   return visitor.reply;
 }
 

@@ -188,6 +188,10 @@ SceneSpec with_material(const SceneSpec& scene, const std::string& body, const s
   return read_again(std::move(root), scene);
 }
 
+std::string scene_text(const SceneSpec& scene) {
+  return yaml_text(copy_of(scene));
+}
+
 SceneSpec with_values(const SceneSpec& scene, const std::vector<Override>& values) {
   YamlValue root = copy_of(scene);
   for (const auto& [path, value] : values) override_value(path, value, &root);

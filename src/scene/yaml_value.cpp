@@ -187,6 +187,31 @@ class TreeBuilder : public YAML::EventHandler {
   YamlValue root_;
 };
 
+void emit(const YamlValue& value, YAML::Emitter* out) {
+  switch (value.kind) {
+    case YamlValue::Kind::kNull:
+      *out << YAML::Null;
+      return;
+    case YamlValue::Kind::kScalar:
+      if (value.quoted) *out << YAML::DoubleQuoted;
+      *out << value.text;
+      return;
+    case YamlValue::Kind::kList:
+      *out << YAML::Flow << YAML::BeginSeq;
+      for (const YamlValue& item : value.items) emit(item, out);
+      *out << YAML::EndSeq;
+      return;
+    case YamlValue::Kind::kMap:
+      *out << YAML::Flow << YAML::BeginMap;
+      for (const YamlValue& item : value.items) {
+        *out << YAML::Key << item.key << YAML::Value;
+        emit(item, out);
+      }
+      *out << YAML::EndMap;
+      return;
+  }
+}
+
 /// The parser keeps a mark for each open bracket before it tells of the first: a text of nothing else would take a
 /// hundred times its size. Brackets within quotes and comments count too, of which no scene has so many unbalanced.
 void check_brackets(const std::string& text, const std::string& origin) {
@@ -293,6 +318,12 @@ YamlValue parse_yaml(const std::string& text, const std::string& origin) {
     throw error_of(place(origin, line) + ": not valid YAML: " + error.msg);
   }
   return tree.take_root();
+}
+
+std::string yaml_text(const YamlValue& value) {
+  YAML::Emitter out;
+  emit(value, &out);
+  return out.c_str();
 }
 
 void override_value(const std::string& path, const std::string& value, YamlValue* root) {

@@ -34,6 +34,9 @@ constexpr int kMaxYamlValues = 500000;  // after aliases are expanded
 /// Throws InputError: "origin:line: what". One document; no duplicate keys; scalar keys; aliases are copied.
 YamlValue parse_yaml(const std::string& text, const std::string& origin);
 
+/// A text from which parse_yaml() reads the same values and keys.
+std::string yaml_text(const YamlValue& value);
+
 /// Sets the value at `path` ("bodies[0].cloth.cells") to the YAML text `value`. Missing maps on the way are made; a
 /// list index must exist. Throws InputError: "--set PATH: what".
 void override_value(const std::string& path, const std::string& value, YamlValue* root);

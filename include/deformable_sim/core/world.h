@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -59,6 +60,9 @@ class World {
   /// Applies one command between steps. A refusal changes nothing.
   Reply apply(const Command& command);
 
+  /// `applied` hears, at once, of every command that was not refused; null: nobody does.
+  void watch(std::function<void(const Command&)> applied);
+
   /// From now on, until the world is reset. Throws InputError.
   void set_control(const StepControlSettings& control);
   /// Everything that changes, as bytes: time, motion, grasps, colliders, and what friction, contact and the scheme
@@ -96,6 +100,7 @@ class World {
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;
+  std::function<void(const Command&)> applied_;
 };
 
 }  // namespace deformable_sim

@@ -21,6 +21,9 @@ SceneSpec without_body(const SceneSpec& scene, const std::string& name);
 /// and the others stay. Throws InputError.
 SceneSpec with_material(const SceneSpec& scene, const std::string& body, const std::string& yaml);
 
+/// YAML of the scene as it is now, with overrides and changes. Throws InputError.
+std::string scene_text(const SceneSpec& scene);
+
 /// Values at their paths, as `--set` takes them. Throws InputError.
 SceneSpec with_values(const SceneSpec& scene, const std::vector<Override>& values);
 

@@ -87,17 +87,19 @@ void pass_shape(const std::vector<Collider>& known, Archive* archive, Shape* sha
 
 }  // namespace
 
+void pass_collider(const std::vector<Collider>& known, Archive* archive, Collider* c) {
+  archive->pass(&c->name);
+  archive->pass_each(&c->shapes, sizeof(Vec3), [&](Shape* shape) { pass_shape(known, archive, shape); });
+  archive->pass(&c->world_from_collider);
+  archive->pass(&c->friction);
+  archive->pass(&c->frame);
+  archive->pass(&c->frame_from_collider);
+  archive->pass(&c->lets_through);
+}
+
 void ColliderSet::pass(const std::vector<Collider>& known, Archive* archive) {
   std::vector<Collider> colliders = colliders_;
-  archive->pass_each(&colliders, sizeof(Pose), [&](Collider* c) {
-    archive->pass(&c->name);
-    archive->pass_each(&c->shapes, sizeof(Vec3), [&](Shape* shape) { pass_shape(known, archive, shape); });
-    archive->pass(&c->world_from_collider);
-    archive->pass(&c->friction);
-    archive->pass(&c->frame);
-    archive->pass(&c->frame_from_collider);
-    archive->pass(&c->lets_through);
-  });
+  archive->pass_each(&colliders, sizeof(Pose), [&](Collider* c) { pass_collider(known, archive, c); });
   if (archive->reads()) {
     *this = ColliderSet(max_speed_);
     for (const Collider& c : colliders) add(c);

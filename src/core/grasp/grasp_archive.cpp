@@ -5,8 +5,6 @@
 #include "deformable_sim/core/grasp/grasp_set.h"
 
 namespace deformable_sim {
-namespace {
-
 void pass_request(Archive* archive, GraspRequest* request) {
   Selection& selection = request->selection;
   archive->pass(&request->name);
@@ -25,8 +23,6 @@ void pass_request(Archive* archive, GraspRequest* request) {
   archive->pass(&request->points_only);
   archive->pass(&request->follow_frame);
 }
-
-}  // namespace
 
 void GraspSet::pass_grasp(Archive* archive, Grasp* grasp) {
   archive->pass(&grasp->nodes);

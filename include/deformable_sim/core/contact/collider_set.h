@@ -53,4 +53,7 @@ class ColliderSet {
   std::vector<double> levers_;
 };
 
+/// In saved states and recorded commands; `known` as for ColliderSet::pass(). It is not checked.
+void pass_collider(const std::vector<Collider>& known, Archive* archive, Collider* collider);
+
 }  // namespace deformable_sim

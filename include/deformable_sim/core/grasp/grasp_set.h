@@ -103,4 +103,7 @@ class GraspSet {
   std::vector<Grasp> grasps_;
 };
 
+/// What was asked for, in saved states and recorded commands. It is not checked.
+void pass_request(Archive* archive, GraspRequest* request);
+
 }  // namespace deformable_sim
