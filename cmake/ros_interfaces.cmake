@@ -26,6 +26,7 @@ find_package(catkin REQUIRED COMPONENTS
   visualization_msgs
 )
 find_package(orocos_kdl REQUIRED)
+find_package(rosbag_storage REQUIRED)
 
 # python/deformable_sim beside the generated deformable_sim.msg and .srv; before generate_messages().
 catkin_python_setup()
@@ -47,6 +48,7 @@ add_message_files(DIRECTORY msg FILES
   RolloutResult.msg
   RolloutSample.msg
   SegmentLabels.msg
+  SessionRecord.msg
   SimStatus.msg
   Status.msg
   TimedGraspCommand.msg

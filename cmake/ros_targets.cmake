@@ -12,6 +12,12 @@ target_link_libraries(sim_node PRIVATE ${PROJECT_NAME}_ros)
 add_library(${PROJECT_NAME}_nodelet src/nodelet.cpp)
 target_link_libraries(${PROJECT_NAME}_nodelet PRIVATE ${PROJECT_NAME}_ros)
 
+# What `simulate --replay` runs: simulate itself knows no ROS.
+file(GLOB REPLAY_SOURCES CONFIGURE_DEPENDS src/replay/*.cpp)
+add_executable(replay_session ${REPLAY_SOURCES})
+target_include_directories(replay_session SYSTEM PRIVATE ${rosbag_storage_INCLUDE_DIRS})
+target_link_libraries(replay_session PRIVATE ${PROJECT_NAME}_ros ${rosbag_storage_LIBRARIES})
+
 # The example robot: uses the public ROS interface only, so it links nothing of this package.
 file(GLOB ROBOT_SOURCES CONFIGURE_DEPENDS src/robot/*.cpp)
 add_executable(robot_demo ${ROBOT_SOURCES})
@@ -24,7 +30,7 @@ install(TARGETS ${PROJECT_NAME}_core ${PROJECT_NAME}_nodelet ${PROJECT_NAME}_ros
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION}
 )
-install(TARGETS robot_demo sim_node simulate study RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(TARGETS replay_session robot_demo sim_node simulate study RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 file(GLOB PYTHON_EXAMPLES CONFIGURE_DEPENDS examples/python/*.py)
 catkin_install_python(PROGRAMS scripts/demo ${PYTHON_EXAMPLES} DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})

@@ -4,11 +4,15 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <locale>
 #include <optional>
 #include <sstream>
+#include <system_error>
+
+#include <unistd.h>
 
 #include "deformable_sim/core/parallel/workers.h"
 #include "deformable_sim/scene/build.h"
@@ -28,6 +32,7 @@ constexpr int kDone = 0, kFailed = 1, kRefused = 2, kInterrupted = 130;
 const char kUsage[] =
     "usage: simulate SCENE [--seconds T] [--set KEY=VALUE]... [--out DIR] [--every S] [--format csv|ply|obj]\n"
     "                [--restore FILE] [--save FILE] [--threads N] [--quiet] [--json]\n"
+    "       simulate --replay BAG [--node NAME] [--threads N] [--quiet]   (--replay --help)\n"
     "       simulate --scene-reference | --list | --help\n"
     "\n"
     "SCENE               a file, or the name of a shipped scene\n"
@@ -256,6 +261,15 @@ int simulate(const Arguments& arguments) {
   return g_interrupted ? kInterrupted : kDone;
 }
 
+/// Bags are read by a program beside this one, which knows ROS. Returns where there is none.
+int replay(char** argv) {
+  std::error_code error;
+  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);
+  execv((here.parent_path() / "replay_session").c_str(), argv);
+  std::cerr << "simulate: --replay: this package was built without ROS, which bags need\n";
+  return kRefused;
+}
+
 int list_scenes() {
   std::cout << default_scene_dir() << ":\n";
   for (const std::string& name : scene_names(default_scene_dir())) std::cout << "  " << name << "\n";
@@ -267,6 +281,7 @@ int list_scenes() {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
+  if (has("--replay")) return replay(argv);
   if (has("--help") || has("-h")) {
     std::cout << kUsage;
     return kDone;

@@ -59,7 +59,8 @@ class SimulationServer::Parts {
         parameters_(read_parameters(nh_)),
         files_(network_files(parameters_)),
         frames_(parameters_.frame_id, parameters_.tf_timeout),
-        simulation_(parameters_, &frames_, &warnings_),
+        recorder_(nh_, parameters_.frame_id),
+        simulation_(parameters_, &frames_, &warnings_, &recorder_),
         topics_(nh_, &simulation_, &frames_, &warnings_, &files_),
         loader_(nh_, parameters_, &frames_, &warnings_,
                 [this](const std::string& grasp, const geometry_msgs::PoseStamped& target) {
@@ -126,6 +127,7 @@ class SimulationServer::Parts {
   AllowedPaths files_;
   Warnings warnings_;
   Frames frames_;
+  SessionRecorder recorder_;
   Simulation simulation_;
   CommandTopics topics_;
   SceneLoader loader_;

@@ -69,10 +69,11 @@ TrajectoryProgress TrajectoryRun::wait(double seconds, ros::Time* stamp) {
   return progress_;
 }
 
-Simulation::Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings)
+Simulation::Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings, SessionRecorder* recorder)
     : parameters_(parameters),
       frames_(frames),
       warnings_(warnings),
+      recorder_(recorder),
       pacer_(parameters.clock, parameters.publish_clock),
       follower_(*frames, warnings),
       paused_(parameters.start_paused) {}
@@ -216,6 +217,7 @@ Reply Simulation::save(SavedState* state) {
         state->time = scene_.world->time();
         state->script = scene_.script.taken();
         state->world = scene_.world->save();
+        recorder_->saved(scene_.world->step_count(), pacer_.stamp(scene_.world->time()));
         state->frames = follower_.save();
         return Reply();
       },
@@ -239,6 +241,7 @@ Reply Simulation::restore(SavedState state) {
         end_steps({Code::kUnavailable, "another state was restored"});
         end_trajectories({Code::kUnavailable, "another state was restored"}, nullptr);
         begin_time();
+        begin_record();
         return Reply();
       },
       kDeadline);
@@ -298,6 +301,7 @@ void Simulation::run() {
   // roscpp shuts down under a service that still waits, and waits for it in turn: answer it.
   while (!stopping_ && !ros::isShuttingDown()) {
     queue_.run();
+    if (recorder_->has_newcomer()) begin_record();
     if (wants_to_step()) {
       const double wait = steps_ ? 0.0 : pacer_.seconds_until_due(scene_.world->time());
       if (wait > 0.0) {
@@ -347,6 +351,7 @@ void Simulation::advance() {
   }
   for (auto& [follower, run] : trajectories_) follower.after_step(scene_.world.get());
   follow_trajectories();
+  recorder_->stepped(scene_.world->step_count(), pacer_.stamp(scene_.world->time()));
   watch_speed(seconds_since(began), began);
   if (time_changed_) time_changed_(scene_.world->time());
   if (steps_ && ++steps_->answer.steps >= steps_->wanted) end_steps(Status());
@@ -420,6 +425,7 @@ void Simulation::hold_budget(double budget) {
   control.budget = budget_;
   control.floor = parameters_.accuracy_floor;
   scene_.world->set_control(control);
+  recorder_->depends("~when_late: less_accurate", scene_.world->step_count(), pacer_.stamp(scene_.world->time()));
 }
 
 Reply Simulation::all_now(const std::vector<Command>& commands) {
@@ -511,6 +517,7 @@ Reply Simulation::change_now(LoadedScene* scene) {
   follower_.keep(scene_.world->grasp_reports());
   ++version_;
   note_names();
+  begin_record();
   return Reply();
 }
 
@@ -520,6 +527,7 @@ void Simulation::begin_world() {
   scene_.script.restart();
   follower_.begin(scene_.attached, scene_.world->grasp_reports());
   begin_time();
+  begin_record();
 }
 
 /// Whoever asks sees the world there is now, on its topics too.
@@ -529,7 +537,15 @@ void Simulation::show_model() {
     model_ = scene_.world->shared_model();
     dt_ = scene_.world->settings().dt;
   }
+  scene_.world->watch([this](const Command& command) {
+    recorder_->applied(command, scene_.world->step_count(), pacer_.stamp(scene_.world->time()));
+  });
   outputs_.use(scene_.publishers);
+}
+
+/// Whoever records hears of another world, or of the same one gone elsewhere.
+void Simulation::begin_record() {
+  recorder_->begin(scene_.spec, scene_.running_dt, pacer_.stamp(scene_.world->time()), scene_.world.get());
 }
 
 /// Simulated time has jumped to that of the world.

@@ -94,7 +94,7 @@ def check_foreign_include(layer, rest, header):
         return None if layer == 'core' and rest.startswith('parallel/') else 'threads are made in core/parallel only'
     if header.startswith('yaml-cpp/') and layer not in ('scene', 'robot'):
         return 'YAML is read in scene only'
-    if layer in ('ros', 'robot', 'rviz') or (layer == 'program' and not rest.startswith(('simulate', 'study'))):
+    if layer in ('ros', 'replay', 'robot', 'rviz') or (layer == 'program' and not rest.startswith(('simulate', 'study'))):
         return None
     if header.endswith('intrin.h'):
         kernels = layer == 'core' and rest.startswith(('grid/sheet_kernels_', 'rope/rope_kernels_'))
@@ -123,7 +123,7 @@ def check_includes(path, text, package_root):
             target_layer, _, target = header[len(PACKAGE):].partition('/')
             if not target:  # generated message header deformable_sim/X.h
                 target_layer = 'ros'
-                why = None if layer in ('robot', 'ros', 'rviz') else check_package_include(layer, rest, 'ros', header)
+                why = None if layer in ('replay', 'robot', 'ros', 'rviz') else check_package_include(layer, rest, 'ros', header)
             else:
                 why = check_package_include(layer, rest, target_layer, target)
         else:

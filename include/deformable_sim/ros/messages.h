@@ -25,6 +25,7 @@
 #include <deformable_sim/Rollout.h>
 #include <deformable_sim/SaveState.h>
 #include <deformable_sim/SegmentLabels.h>
+#include <deformable_sim/SessionRecord.h>
 #include <deformable_sim/SetMaterial.h>
 #include <deformable_sim/SetState.h>
 #include <deformable_sim/SimStatus.h>

@@ -20,6 +20,7 @@
 #include "deformable_sim/ros/pacer.h"
 #include "deformable_sim/ros/parameters.h"
 #include "deformable_sim/ros/request_queue.h"
+#include "deformable_sim/ros/session_recorder.h"
 #include "deformable_sim/ros/warnings.h"
 #include "deformable_sim/scene/script.h"
 #include "deformable_sim/scene/state_file.h"
@@ -75,7 +76,7 @@ class Simulation {
     Status status;
   };
 
-  Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings);
+  Simulation(const Parameters& parameters, Frames* frames, Warnings* warnings, SessionRecorder* recorder);
   ~Simulation();
 
   void start(LoadedScene scene, NamesChanged names_changed, TimeChanged time_changed);
@@ -133,6 +134,7 @@ class Simulation {
   void begin_world();
   void show_model();
   void begin_time();
+  void begin_record();
   void note_names();
   void end_steps(const Status& status);
   void watch_speed(double cost, SpeedMeter::Clock::time_point began);
@@ -144,6 +146,7 @@ class Simulation {
   const Parameters parameters_;
   Frames* frames_;
   Warnings* warnings_;
+  SessionRecorder* recorder_;
   RequestQueue queue_;
   Pacer pacer_;
   SpeedMeter speed_;
