@@ -1,22 +1,11 @@
 """./run and the test runner: what they refuse, what they count, and that nothing outlives them."""
-import importlib.machinery
-import importlib.util
 import os
 import subprocess
 import sys
 import tempfile
 import unittest
 
-sys.dont_write_bytecode = True
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-
-
-def load(path):
-    """A Python script without an ending, as a module."""
-    loader = importlib.machinery.SourceFileLoader(os.path.basename(path), os.path.join(ROOT, path))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    loader.exec_module(module)
-    return module
+from script_loading import ROOT, load
 
 
 def door(*arguments, **options):

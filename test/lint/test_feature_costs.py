@@ -1,23 +1,11 @@
 #!/usr/bin/env python3
 """What the table of features' costs is made of, and what it refuses."""
-import importlib.machinery
-import importlib.util
 import os
-import sys
 import unittest
 
 import yaml
 
-sys.dont_write_bytecode = True
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-
-
-def load(name):
-    loader = importlib.machinery.SourceFileLoader(name, os.path.join(ROOT, 'scripts', name))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
-    loader.exec_module(module)
-    return module
-
+from script_loading import ROOT, load
 
 TABLE = {'kind': 'cloth', 'title': 'A sheet',
          'scene': {'step': {'dt': 0.01, 'integrator': 'bdf2'}, 'body': {'name': 'it', 'material': {'damping': 0.1}}},
@@ -28,7 +16,7 @@ TABLE = {'kind': 'cloth', 'title': 'A sheet',
 
 class FeatureCosts(unittest.TestCase):
     def setUp(self):
-        self.tool = load('feature_costs')
+        self.tool = load('scripts/feature_costs')
 
     def test_a_change_is_merged_key_by_key_and_null_takes_a_key_away(self):
         base = {'step': {'dt': 0.01, 'integrator': 'bdf2'}, 'list': [1]}

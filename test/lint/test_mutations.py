@@ -1,20 +1,9 @@
 """The mutants of `./run test --mutations` match the code they mutate, and the judge tells life from death."""
-import importlib.machinery
-import importlib.util
 import os
-import sys
 import tempfile
 import unittest
 
-sys.dont_write_bytecode = True
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-
-
-def load(path):
-    loader = importlib.machinery.SourceFileLoader(os.path.basename(path), os.path.join(ROOT, path))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    loader.exec_module(module)
-    return module
+from script_loading import ROOT, load
 
 
 class Mutants(unittest.TestCase):

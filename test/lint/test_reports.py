@@ -1,7 +1,5 @@
 """The reports of `./run study`: what they read, what they pass, and that they need no matplotlib."""
 import contextlib
-import importlib.machinery
-import importlib.util
 import io
 import json
 import math
@@ -11,16 +9,7 @@ import sys
 import tempfile
 import unittest
 
-sys.dont_write_bytecode = True
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-
-
-def load(path):
-    loader = importlib.machinery.SourceFileLoader(os.path.basename(path), os.path.join(ROOT, path))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
-    loader.exec_module(module)
-    return module
-
+from script_loading import ROOT, load
 
 ROWS = """A10|second, m|2|2.01|0.01|relative
 A2|first, |f|/m at Gamma = 1|0|1e-9|1e-8|absolute
