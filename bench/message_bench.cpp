@@ -3,8 +3,10 @@
 #include <benchmark/benchmark.h>
 #include <ros/serialization.h>
 
+#include "deformable_sim/core/topology/sheet_cut.h"
 #include "deformable_sim/ros/body_drawing.h"
 #include "deformable_sim/ros/point_cloud.h"
+#include "deformable_sim/ros/shadow_drawing.h"
 #include "deformable_sim/ros/state_messages.h"
 #include "scenes.h"
 
@@ -73,14 +75,57 @@ void markers_by_strain(benchmark::State& state) {
   outputs.color_by = "strain";
   measure(state, [&outputs](const Snapshot& s) { return body_marker(s, 0, outputs); });
 }
+/// A model may not change once it is built; its snapshots may show another.
+Snapshot with_look(const World& world, const SheetPattern& pattern, double thickness) {
+  Snapshot snapshot = world.snapshot();
+  auto model = std::make_shared<Model>();
+  model->bodies = world.model().bodies;
+  model->gravity = world.model().gravity;
+  auto look = std::make_shared<SheetLook>();
+  look->cut = cut_sheet(*model->bodies[0].surface, pattern);
+  look->thickness = thickness;
+  model->bodies[0].look = look;
+  snapshot.model = model;
+  return snapshot;
+}
+template <typename Fill>
+void measure_look(benchmark::State& state, const SheetPattern& pattern, double thickness, const Fill& fill) {
+  const std::unique_ptr<World> world = moving_sheet(static_cast<int>(state.range(0)));
+  Snapshot snapshot = with_look(*world, pattern, thickness);
+  Collider floor;
+  floor.shapes.resize(1);
+  floor.shapes[0].type = Shape::Type::kPlane;
+  floor.world_from_collider.translation().z() = -10.0;
+  snapshot.colliders.push_back(floor);
+  double bytes = 0.0;
+  for (auto _ : state) {
+    const ros::SerializedMessage message = ros::serialization::serializeMessage(fill(snapshot));
+    benchmark::DoNotOptimize(message.buf.get());
+    bytes = static_cast<double>(message.num_bytes);
+  }
+  report(state, *world, bytes);
+}
+const auto kBody = [](const Snapshot& s) { return body_marker(s, 0, OutputSpec()); };
+void checkered(benchmark::State& state) {
+  measure_look(state, {0.07, 0.0}, 0.0, kBody);
+}
+void checkered_seams_thick(benchmark::State& state) {
+  measure_look(state, {0.07, 0.015}, 0.003, kBody);
+}
+void shadows(benchmark::State& state) {
+  measure_look(state, {}, 0.0, [](const Snapshot& s) { return shadow_marker(s, 0); });
+}
 
 BENCHMARK(snapshot)->Arg(16)->Arg(31)->Arg(61);
 BENCHMARK(snapshot_with_reports)->Arg(16)->Arg(31)->Arg(61);
 BENCHMARK(points)->Arg(16)->Arg(31)->Arg(61);
 BENCHMARK(all_points)->Arg(31);
 BENCHMARK(body_state)->Arg(16)->Arg(31)->Arg(61);
-BENCHMARK(markers)->Arg(16)->Arg(31)->Arg(61);
+BENCHMARK(markers)->Arg(16)->Arg(31)->Arg(61)->Arg(100);
 BENCHMARK(markers_by_strain)->Arg(31);
+BENCHMARK(checkered)->Arg(31)->Arg(100);
+BENCHMARK(checkered_seams_thick)->Arg(31)->Arg(100);
+BENCHMARK(shadows)->Arg(31)->Arg(100);
 
 }  // namespace
 }  // namespace bench

@@ -1,7 +1,8 @@
 # Tests of the ROS layer: parts without a master, then the node, each test with a master of its own.
 find_package(GTest REQUIRED)
 add_executable(ros_tests test/ros/camera_test.cpp test/ros/careful_messages_test.cpp test/ros/drawing_test.cpp
-  test/ros/force_plugins_test.cpp test/ros/pacer_test.cpp test/ros/request_queue_test.cpp)
+  test/ros/extra_markers_test.cpp test/ros/force_plugins_test.cpp test/ros/pacer_test.cpp test/ros/request_queue_test.cpp
+  test/ros/sheet_look_test.cpp test/ros/tube_test.cpp)
 target_include_directories(ros_tests PRIVATE test)
 target_compile_definitions(ros_tests PRIVATE DEFORMABLE_SIM_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 target_link_libraries(ros_tests PRIVATE ${PROJECT_NAME}_ros GTest::gtest GTest::gtest_main)

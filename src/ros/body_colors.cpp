@@ -11,16 +11,8 @@ namespace {
 
 constexpr float kFastest = 1.0f;  // m/s shown as full colour
 
-/// Blue at -1, grey at 0, red at 1.
-Color signed_color(float value) {
-  const float s = std::clamp(value, -1.0f, 1.0f);
-  const Color grey(0.85f, 0.85f, 0.85f);
-  const Color end = s < 0.0f ? Color(0.1f, 0.25f, 0.95f) : Color(0.95f, 0.1f, 0.05f);
-  return grey + std::abs(s) * (end - grey);
-}
-
 void color_by(const Eigen::VectorXf& values, std::vector<Color>* colors) {
-  for (std::size_t i = 0; i < colors->size(); ++i) (*colors)[i] = signed_color(values[static_cast<Eigen::Index>(i)]);
+  for (std::size_t i = 0; i < colors->size(); ++i) (*colors)[i] = scale_color(values[static_cast<Eigen::Index>(i)]);
 }
 
 /// Nodes with a structural edge that is stretched or compressed further than the material's law holds.
@@ -49,7 +41,28 @@ void color_by_stress(const Snapshot& snapshot, const Body& body, double range, s
   color_by(shown_values(body, stress / static_cast<float>(range)), colors);
 }
 
+/// Twice the mean force of the touching nodes, N; 0 where nothing touches.
+double contact_range(const Snapshot& snapshot) {
+  const Eigen::Index touching = (snapshot.contact_force.array() > 0.0f).count();
+  return touching > 0 ? 2.0 * snapshot.contact_force.sum() / static_cast<double>(touching) : 0.0;
+}
+
 }  // namespace
+
+Color scale_color(float value) {
+  const float s = std::clamp(value, -1.0f, 1.0f);
+  const Color grey(0.85f, 0.85f, 0.85f);
+  const Color end = s < 0.0f ? Color(0.1f, 0.25f, 0.95f) : Color(0.95f, 0.1f, 0.05f);
+  return grey + std::abs(s) * (end - grey);
+}
+
+ColorScale color_scale(const Snapshot& snapshot, const OutputSpec& outputs) {
+  if (outputs.color_by == "strain") return {"strain", "", -outputs.strain_range, outputs.strain_range};
+  if (outputs.color_by == "stress") return {"stress", "Pa", -outputs.stress_range, outputs.stress_range};
+  if (outputs.color_by == "velocity") return {"velocity", "m/s", 0.0, kFastest};
+  if (outputs.color_by == "contact") return {"contact force", "N", 0.0, contact_range(snapshot)};
+  return {};
+}
 
 std::vector<Color> body_colors(const Snapshot& snapshot, const Body& body, const OutputSpec& outputs) {
   const Color own(static_cast<float>(body.color[0]), static_cast<float>(body.color[1]),
@@ -62,10 +75,9 @@ std::vector<Color> body_colors(const Snapshot& snapshot, const Body& body, const
   } else if (outputs.color_by == "velocity") {
     color_by(shown_velocities(snapshot, body).all().colwise().norm().transpose().cast<float>() / kFastest, &colors);
   } else if (outputs.color_by == "contact" && snapshot.contact_force.size() > 0) {
+    const double range = contact_range(snapshot);
     const auto force = snapshot.contact_force.segment(body.first_node, body.node_count);
-    const Eigen::Index touching = (force.array() > 0.0f).count();
-    const float full = touching > 0 ? 2.0f * force.sum() / static_cast<float>(touching) : 1.0f;
-    color_by(shown_values(body, force / full), &colors);
+    color_by(shown_values(body, force / static_cast<float>(range > 0.0 ? range : 1.0)), &colors);
   }
   return colors;
 }

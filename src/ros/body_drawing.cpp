@@ -1,8 +1,8 @@
 #include "deformable_sim/ros/body_drawing.h"
 
 #include "deformable_sim/ros/body_colors.h"
-#include "deformable_sim/ros/lit_triangles.h"
 #include "deformable_sim/ros/rope_drawing.h"
+#include "deformable_sim/ros/sheet_drawing.h"
 #include "deformable_sim/ros/shown_body.h"
 #include "deformable_sim/ros/solid_drawing.h"
 
@@ -12,20 +12,6 @@ namespace {
 
 constexpr double kLineWidth = 5e-4;   // m
 constexpr double kFrameWidth = 1e-3;  // m
-
-void draw_sheet(const Snapshot& snapshot, const Body& body, std::vector<Color> colors,
-                visualization_msgs::Marker* marker) {
-  const ShownColumns x = shown_positions(snapshot, body);
-  const Eigen::Matrix3Xf normals = shown_normals(snapshot, body, x);
-  const Light light;
-  for (std::size_t i = 0; i < colors.size(); ++i) colors[i] *= light.on(normals.col(static_cast<Eigen::Index>(i)));
-  const std::vector<std::array<int, 3>>& triangles = shown_surface(body)->triangles;
-  marker->points.reserve(3 * triangles.size());
-  marker->colors.reserve(3 * triangles.size());
-  for (const std::array<int, 3>& triangle : triangles) {
-    for (const int point : triangle) add_vertex(x.col(point), colors[static_cast<std::size_t>(point)], marker);
-  }
-}
 
 visualization_msgs::Marker line_list(double width) {
   visualization_msgs::Marker marker = blank_marker();
@@ -56,7 +42,7 @@ visualization_msgs::Marker body_marker(const Snapshot& snapshot, int body, const
   } else if (shape.volume) {
     draw_solid(*shown_surface(shape), shown_positions(snapshot, shape), colors, &marker);
   } else {
-    draw_sheet(snapshot, shape, colors, &marker);
+    draw_sheet(snapshot, shape, colors, outputs.color_by == "body" ? Painting::kShown : Painting::kHidden, &marker);
   }
   return marker;
 }

@@ -12,7 +12,6 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr double kPlaneSize = 10.0;        // m
 constexpr double kPlaneThickness = 0.002;  // m
 constexpr int kConeSides = 32;
 constexpr double kBall = 0.02;    // m

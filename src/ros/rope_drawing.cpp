@@ -1,6 +1,7 @@
 #include "deformable_sim/ros/rope_drawing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "deformable_sim/ros/lit_triangles.h"
@@ -30,7 +31,25 @@ Eigen::Vector3f start_of_ring(const Snapshot& snapshot, const Body& body, int i,
   return sum.norm() > 1e-3f ? sum : director(i);  // half a turn from one segment to the next has no mean
 }
 
-/// The shade of a rod's other half: darker, or lighter where there is nothing darker.
+/// Corners of a ring, as angles from the first director, and how many of its sides are the stripe, which it begins with.
+struct TubeSides {
+  std::array<float, kTubeSides> angle;
+  int striped = 0;
+
+  explicit TubeSides(double stripe)
+      : striped(stripe <= 0.0  ? 0
+                : stripe < 1.0 ? std::clamp(static_cast<int>(std::lround(stripe * kTubeSides)), 1, kTubeSides - 1)
+                               : kTubeSides) {
+    const double width = striped == 0 || striped == kTubeSides ? static_cast<double>(striped) / kTubeSides : stripe;
+    for (int k = 0; k < kTubeSides; ++k) {
+      const double turned = k < striped ? width * k / striped
+                                        : width + (1.0 - width) * (k - striped) / (kTubeSides - striped);
+      angle[static_cast<std::size_t>(k)] = static_cast<float>(2.0 * M_PI * (turned - 0.5 * width));
+    }
+  }
+};
+
+/// The shade of a rod's stripe: darker, or lighter where there is nothing darker.
 Eigen::Vector3f other_shade(const Eigen::Vector3f& color) {
   if (color.maxCoeff() > 0.4f) return 0.4f * color;
   return color + 0.6f * (Eigen::Vector3f::Ones() - color);
@@ -45,6 +64,7 @@ void draw_tube(const Snapshot& snapshot, const Body& body, const std::vector<Eig
   const Eigen::Matrix3Xf x = snapshot.x.middleCols(body.first_node, n).cast<float>();
   const auto at = [&](int i) { return x.col(closed ? (i + n) % n : std::clamp(i, 0, n - 1)); };
   std::vector<Ring> rings(static_cast<std::size_t>(n));
+  const TubeSides sides(has_twist(snapshot, body) ? body.stripe : 0.0);
   Eigen::Vector3f side = Eigen::Vector3f::UnitZ();
   for (int i = 0; i < n; ++i) {
     const Eigen::Vector3f along = (at(i + 1) - at(i - 1)).normalized();
@@ -54,21 +74,19 @@ void draw_tube(const Snapshot& snapshot, const Body& body, const std::vector<Eig
     side.normalize();
     const Eigen::Vector3f other = along.cross(side);
     for (int k = 0; k < kTubeSides; ++k) {
-      // The first director points at the middle of the first half.
-      const float angle = 2.0f * static_cast<float>(M_PI) * static_cast<float>(k - kTubeSides / 4) / kTubeSides;
+      const float angle = sides.angle[static_cast<std::size_t>(k)];
       rings[static_cast<std::size_t>(i)].col(k) = std::cos(angle) * side + std::sin(angle) * other;
     }
   }
   const float radius = static_cast<float>(body.draw_radius);
   const Light light;
-  const bool striped = has_twist(snapshot, body);
   for (int s = 0; s < body.line->segment_count(); ++s) {
     const auto [a, b] = body.line->segment(s);
     for (int k = 0; k < kTubeSides; ++k) {
       const auto vertex = [&, side_of_tube = k](int i, int corner) {
         const Eigen::Vector3f out = rings[static_cast<std::size_t>(i)].col(corner % kTubeSides);
         const Eigen::Vector3f& color = colors[static_cast<std::size_t>(i)];
-        const bool second = striped && side_of_tube >= kTubeSides / 2;
+        const bool second = side_of_tube < sides.striped;
         add_vertex((x.col(i) + radius * out).cast<double>(), light.on(out) * (second ? other_shade(color) : color),
                    marker);
       };

@@ -16,6 +16,15 @@ void read_visual_mesh(const YamlValue& v, const std::string& path, BodySpec* bod
   body->visual.path = path;
 }
 
+/// A number of metres, or the word `material`.
+void read_thickness(const YamlValue& v, const std::string& path, BodySpec* body) {
+  if (v.kind == YamlValue::Kind::kScalar && v.text == "material") {
+    body->look.thickness.reset();
+  } else {
+    body->look.thickness = read_number(v, path, between(0, 0.1));
+  }
+}
+
 void read_color(const YamlValue& v, const std::string& path, BodySpec* body) {
   body->color.emplace();
   read_vector(v, path, between(0, 1), body->color->data(), 3);
@@ -51,6 +60,47 @@ Table<BodySpec> visual_table(BodyKind kind) {
       "mesh_scale", "m", [](BodySpec& b) -> double& { return b.visual.mesh_scale; }, between(1e-6, 1000),
       "Metres per unit of the file.");
   if (cloth) t.at_most_one_of({"upsample", "mesh"});
+  return t;
+}
+
+void add_look_key(Table<BodySpec>* table, BodyKind kind) {
+  const Table<BodySpec> look = look_table(kind);
+  table->add({"look", "map", "", "", "", "How it is drawn. See " + look.text().path + "."},
+             [look](const YamlValue& v, const std::string& path, BodySpec* body) {
+               look.read(v, path, body);
+               body->look.where = {v.origin, v.line};
+               body->look.path = path;
+             });
+}
+
+Table<BodySpec> look_table(BodyKind kind) {
+  const bool cloth = kind == BodyKind::kCloth;
+  Table<BodySpec> t(cloth ? "bodies[].cloth.look" : "bodies[].rope.look",
+                    "How it is drawn in rviz beyond its colour; the simulation is the same.");
+  if (!cloth) {
+    t.number(
+        "stripe", "", [](BodySpec& b) -> double& { return b.look.stripe; }, between(0, 1),
+        "Width of the darker stripe along a rod that turns with it, as a part of the circumference; the first director "
+        "points at its middle. 0 = none.");
+    return t;
+  }
+  t.add({"checker", "number", "m", "plain", "0.001 ... 100",
+         "Edge of the squares of a checkered cloth, along x and y of the rest mesh (warp and weft), from its least x and "
+         "y on."},
+        [](const YamlValue& v, const std::string& path, BodySpec* body) {
+          body->look.checker = read_number(v, path, between(0.001, 100));
+        });
+  t.add({"checker_color", "[r, g, b]", "", "much lighter than `color`", "0 ... 1", "Of every other square."},
+        [](const YamlValue& v, const std::string& path, BodySpec* body) {
+          read_vector(v, path, between(0, 1), body->look.checker_color.emplace().data(), 3);
+        });
+  t.number(
+      "seams", "m", [](BodySpec& b) -> double& { return b.look.seams; }, between(0, 1),
+      "Width of the darker band along hems (borders of the mesh) and on both sides of seams (edges where panels of the "
+      "rest mesh meet at more than 60 degrees); 0 = none.");
+  t.add({"thickness", "number or word", "m", "0", "0 ... 0.1, material",
+         "Distance of two faces, joined along the borders; material: its thickness; 0 = one face without."},
+        read_thickness);
   return t;
 }
 

@@ -45,6 +45,8 @@ void add_common_keys(Table<BodySpec>* table, const std::string& contact_radius);
 void add_contact_points(Table<BodySpec>* table);
 /// `visual`, of cloth or soft bodies.
 void add_visual_key(Table<BodySpec>* table, BodyKind kind);
+/// `look`, of cloth or ropes.
+void add_look_key(Table<BodySpec>* table, BodyKind kind);
 
 /// `from: NAME` of a material map, or the whole value when it is a name alone: reads the name, applies the entry.
 /// `apply(name, out)` throws InputError, which is refused at the name.

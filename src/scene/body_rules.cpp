@@ -87,6 +87,9 @@ void check_cloth(const YamlValue& entry, const std::string& path, const BodySpec
     check_springs(entry, material, path, body);
   }
   check_bending(entry, material, path, body);
+  if (body.look.checker == 0.0) {
+    only_with(entry.find("look"), path + ".look", {"checker_color"}, "belongs to checker");
+  }
   if (!body.mesh.empty() && body.cloth.upsample > 1) {
     refuse_key(*entry.find("visual"), path + ".visual", "is for grids");
   }
@@ -112,6 +115,7 @@ void check_rope(const YamlValue& entry, const std::string& path, const BodySpec&
     return;
   }
   only_with(&entry, path, {"natural_curvature", "natural_twist", "initial_twist", "start"}, "belongs to model: rod");
+  only_with(entry.find("look"), path + ".look", {"stripe"}, "belongs to model: rod; no other rope has a twist to show");
   if (body.rope.model == RopeModel::kUntwisted) {
     only_with(material, path + ".material", {"section", "shear_modulus", "twist_rigidity"}, "belongs to model: rod");
     only_with(material, path + ".material", {"stretch_stiffness", "bend_stiffness"},

@@ -321,6 +321,7 @@ std::shared_ptr<const Model> build_model(const SceneSpec& spec, std::shared_ptr<
     try {
       add_body(from, &body, &parts);
       add_visual(from.visual, &body);
+      add_look(from, &body);
     } catch (const PlacedError&) {
       throw;
     } catch (const InputError& error) {

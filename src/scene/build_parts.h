@@ -82,6 +82,9 @@ void add_soft(const BodySpec& spec, Body* body, Parts* parts);
 /// The surface of its own that a body carries, where the scene names one.
 void add_visual(const VisualSpec& spec, Body* body);
 
+/// How it is drawn, where the scene says more than its colour. After add_visual().
+void add_look(const BodySpec& spec, Body* body);
+
 /// How this cloth bends: what the scene says, else by hinges where there is a rigidity, else by springs.
 ClothBending bending_of(const BodySpec& spec);
 

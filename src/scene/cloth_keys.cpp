@@ -57,6 +57,7 @@ void add_model_keys(Table<BodySpec>* t) {
       "strain_limit", "", [](BodySpec& b) -> std::optional<double>& { return b.cloth.strain_limit; }, between(0.001, 1),
       "none", "Structural edges stretched beyond this strain are pulled back to it after every step; 0.1 is Provot's.");
   add_visual_key(t, BodyKind::kCloth);
+  add_look_key(t, BodyKind::kCloth);
 }
 
 }  // namespace

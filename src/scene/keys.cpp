@@ -366,6 +366,24 @@ Table<OutputSpec> output_table() {
   t.number("stress_range", "Pa", &OutputSpec::stress_range, between(1e-3, 1e12), "Stress shown as full colour.");
   t.boolean("wireframe", &OutputSpec::wireframe, "Also draw the edges.");
   t.boolean("frames", &OutputSpec::frames, "Also draw the frames of rods.");
+  t.boolean("shadows", &OutputSpec::shadows,
+            "Also draw what bodies shade, along gravity, of planes and tops of boxes that are horizontal.");
+  t.boolean("contact_arrows", &OutputSpec::contact_arrows, "Also draw the force of every contact as an arrow.");
+  t.add({"contact_scale", "number", "m/N", "the longest arrow is a fifth of the scene", "> 0, <= 1000000",
+         "Length of the arrows."},
+        [](const YamlValue& v, const std::string& path, OutputSpec* out) {
+          out->contact_scale = read_number(v, path, above(0, 1e6));
+        });
+  t.boolean("legend", &OutputSpec::legend, "Also draw a bar with the numbers of the colours, where color_by is not body.");
+  t.add({"legend_position", "[x, y, z]", "m", "beside the bodies at the start", kCoordinate.text(),
+         "Foot of the bar, in the world."},
+        [](const YamlValue& v, const std::string& path, OutputSpec* out) {
+          read_vector(v, path, kCoordinate, out->legend_position.emplace().data(), 3);
+        });
+  t.add({"legend_height", "number", "m", "half the size of the scene", "> 0, <= 1000", "Height of the bar."},
+        [](const YamlValue& v, const std::string& path, OutputSpec* out) {
+          out->legend_height = read_number(v, path, above(0, 1000));
+        });
   return t;
 }
 

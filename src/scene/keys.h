@@ -70,6 +70,8 @@ Table<SoftModelSpec> lattice_table();
 Table<SoftMaterialSpec> soft_material_table();
 /// Of cloth or soft bodies.
 Table<BodySpec> visual_table(BodyKind kind);
+/// Of cloth or ropes.
+Table<BodySpec> look_table(BodyKind kind);
 Table<BodySpec> cloth_table();
 Table<BodySpec> rope_table();
 Table<BodySpec> soft_table();

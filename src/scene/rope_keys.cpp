@@ -43,6 +43,7 @@ void add_model_keys(Table<BodySpec>* t) {
       "natural",
       "A rod with natural curvature starts in its natural shape, beginning along x of its pose, or straight and under "
       "load.");
+  add_look_key(t, BodyKind::kRope);
 }
 
 void read_path(const YamlValue& v, const std::string& path, BodySpec* body) {

@@ -13,6 +13,7 @@
 #include "deformable_sim/ros/point_cloud.h"
 #include "deformable_sim/ros/rigid_drawing.h"
 #include "deformable_sim/ros/shown_body.h"
+#include "ros/drawn_scene.h"
 
 namespace deformable_sim {
 namespace {
@@ -28,57 +29,6 @@ CloudPoint point_of(const sensor_msgs::PointCloud2& cloud, int index) {
   return point;
 }
 
-/// A snapshot of bodies added one by one, at rest where they were added.
-struct Scene {
-  std::shared_ptr<Model> model = std::make_shared<Model>();
-  Snapshot snapshot;
-
-  Body& add(const std::string& name, const Nodes& x) {
-    const Eigen::Index first = snapshot.x.cols();
-    snapshot.x.conservativeResize(3, first + x.cols());
-    snapshot.x.rightCols(x.cols()) = x;
-    snapshot.v = Nodes::Zero(3, snapshot.x.cols());
-    model->mass = Eigen::VectorXd::Ones(snapshot.x.cols());
-    Body body;
-    body.name = name;
-    body.first_node = static_cast<int>(first);
-    body.node_count = static_cast<int>(x.cols());
-    model->bodies.push_back(body);
-    snapshot.model = model;
-    return model->bodies.back();
-  }
-
-  Body& add_sheet(int cells) {
-    const TriangleMesh grid = make_grid(1.0, 1.0, cells, cells);
-    Body& body = add("sheet", grid.rest);
-    body.surface = std::make_shared<TriangleMesh>(grid);
-    for (const auto& [a, b] : edges_of(grid)) {
-      body.strain_edges.push_back(
-          {{a + body.first_node, b + body.first_node}, (grid.rest.col(b) - grid.rest.col(a)).norm()});
-    }
-    return body;
-  }
-
-  /// Along x, first directors turned by `turn` (rad) from +y towards +z. Add it last: its angles follow all nodes.
-  Body& add_rod(int segments, double turn) {
-    const Polyline line = make_line(1.0, segments);
-    Body& body = add("rod", line.rest);
-    body.kind = BodyKind::kRope;
-    body.line = std::make_shared<Polyline>(line);
-    body.draw_radius = 0.01;
-    body.first_segment = 0;
-    body.radius_of_gyration = 0.005;
-    snapshot.tangents = Vec3(Vec3::UnitX()).replicate(1, segments);
-    snapshot.directors = Vec3(0.0, std::cos(turn), std::sin(turn)).replicate(1, segments);
-    model->angle_count = segments;
-    model->mass = Eigen::VectorXd::Ones(snapshot.x.cols() + segments);
-    snapshot.x.conservativeResize(3, snapshot.x.cols() + segments);
-    snapshot.x.rightCols(segments).setConstant(1e9);
-    snapshot.v = Nodes::Zero(3, snapshot.x.cols());
-    return body;
-  }
-};
-
 OutputSpec colored_by(const std::string& what) {
   OutputSpec outputs;
   outputs.color_by = what;
@@ -86,7 +36,7 @@ OutputSpec colored_by(const std::string& what) {
 }
 
 TEST(PointCloud, OfAnUpsampledGridIsOrganisedAndFiner) {
-  Scene scene;
+  DrawnScene scene;
   Body& body = scene.add_sheet(4);
   body.skin = make_upsampled_skin(*body.surface, 3);
   scene.snapshot.x.row(2).setRandom();
@@ -109,7 +59,7 @@ TEST(PointCloud, OfAnUpsampledGridIsOrganisedAndFiner) {
 }
 
 TEST(PointCloud, OfAllBodiesHasNoAnglesOfRods) {
-  Scene scene;
+  DrawnScene scene;
   Body& body = scene.add_sheet(2);
   body.skin = make_upsampled_skin(*body.surface, 2);
   scene.add_rod(4, 0.0);
@@ -123,7 +73,7 @@ TEST(PointCloud, OfAllBodiesHasNoAnglesOfRods) {
 
 TEST(PointCloud, OfASoftBodyHasNormalsOnItsSurfaceOnly) {
   // A tetrahedron with a fifth node inside.
-  Scene scene;
+  DrawnScene scene;
   TriangleMesh surface;
   surface.rest = (Nodes(3, 5) << 0, 1, 0, 0, 0.2, 0, 0, 1, 0, 0.2, 0, 0, 0, 1, 0.2).finished();
   surface.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
@@ -141,7 +91,7 @@ TEST(PointCloud, OfASoftBodyHasNormalsOnItsSurfaceOnly) {
 }
 
 TEST(BodyMarker, ShowsTheSkin) {
-  Scene scene;
+  DrawnScene scene;
   Body& body = scene.add_sheet(2);
   EXPECT_EQ(body_marker(scene.snapshot, 0, OutputSpec()).points.size(), 3u * 8u);
   body.skin = make_upsampled_skin(*body.surface, 4);
@@ -153,7 +103,7 @@ TEST(BodyMarker, ShowsTheSkin) {
 TEST(BodyMarker, KeepsTheEdgesOfASolidSharp) {
   // A cube: every corner of a face is lit as the face is, though the mean normal there is 55 degrees off. As a sheet
   // the same triangles would be rounded.
-  Scene scene;
+  DrawnScene scene;
   const TetMesh cube = make_box(Vec3::Ones(), {1, 1, 1});
   Body& body = scene.add("cube", cube.rest);
   body.surface = std::make_shared<TriangleMesh>(boundary_of(cube));
@@ -171,7 +121,7 @@ TEST(BodyMarker, KeepsTheEdgesOfASolidSharp) {
 
 TEST(BodyColors, SaturateToMagentaWhereTheLawNoLongerHolds) {
   // The right half is stretched by 10 %, past a limit of 5 %; the colour of strain_range 0.2 alone would be pink.
-  Scene scene;
+  DrawnScene scene;
   Body& body = scene.add_sheet(4);
   OutputSpec outputs = colored_by("strain");
   outputs.strain_range = 0.2;
@@ -199,7 +149,7 @@ TEST(BodyColors, SaturateToMagentaWhereTheLawNoLongerHolds) {
 
 TEST(BodyColors, EvaluateStressOnlyToShowIt) {
   // ... and with the body's own nodes, here the last four of seven.
-  Scene scene;
+  DrawnScene scene;
   scene.add("other", Nodes::Zero(3, 3));
   Body& body = scene.add_sheet(1);
   int asked = 0;
@@ -225,60 +175,8 @@ TEST(BodyColors, EvaluateStressOnlyToShowIt) {
   EXPECT_EQ(body_colors(scene.snapshot, body, outputs)[1], Color(0.85f, 0.85f, 0.85f));
 }
 
-/// Mean position of the vertices around the middle of the tube that belong to quads of the brighter of its two shades.
-Vec3 centre_of_bright_side(const visualization_msgs::Marker& tube) {
-  Vec3 sum = Vec3::Zero();
-  int count = 0;
-  for (std::size_t i = 0; i < tube.points.size(); i += 6) {  // a quad of one shade
-    float brightest = 0.0f;
-    for (std::size_t k = i; k < i + 6; ++k) brightest = std::max(brightest, tube.colors[k].r);
-    if (brightest < 0.8f * 0.45f) continue;
-    for (std::size_t k = i; k < i + 6; ++k) {
-      if (std::abs(tube.points[k].x) > 1e-9) continue;
-      sum += Vec3(0.0, tube.points[k].y, tube.points[k].z);
-      ++count;
-    }
-  }
-  return sum / std::max(1, count);
-}
-
-TEST(Tube, OfARodShowsWhereItsFirstDirectorPoints) {
-  // The bright half of a round tube has its centre in the direction of the first director.
-  for (const double turn : {0.0, 0.6, 2.0, -2.5}) {
-    Scene scene;
-    scene.add_rod(6, turn);
-    const Vec3 side = centre_of_bright_side(body_marker(scene.snapshot, 0, OutputSpec()));
-    EXPECT_NEAR(std::remainder(std::atan2(side.z(), side.y()) - turn, 2.0 * M_PI), 0.0, 0.1) << turn;
-    EXPECT_GT(side.norm(), 0.004);
-  }
-}
-
-TEST(Tube, TurnsHalfWayFromOneSegmentToTheNext) {
-  // Directors 0 and 0.8: the ring at the node between them looks towards 0.4.
-  Scene scene;
-  scene.add_rod(2, 0.0);
-  scene.snapshot.directors.col(1) = Vec3(0.0, std::cos(0.8), std::sin(0.8));
-  const Vec3 side = centre_of_bright_side(body_marker(scene.snapshot, 0, OutputSpec()));
-  EXPECT_NEAR(std::atan2(side.z(), side.y()), 0.4, 0.1);
-}
-
-TEST(Tube, OfARopeHasOneShade) {
-  Scene scene;
-  Body& body = scene.add_rod(3, 0.0);
-  for (const bool twist : {false, true}) {
-    body.first_segment = twist ? 0 : -1;
-    float least = 1.0f, most = 0.0f;
-    for (const auto& color : body_marker(scene.snapshot, 0, OutputSpec()).colors) {
-      least = std::min(least, color.r);
-      most = std::max(most, color.r);
-    }
-    // The light alone dims to 0.3 of full; the second shade to 0.4 of that.
-    EXPECT_EQ(least < 0.29f * most, twist);
-  }
-}
-
 TEST(Frames, AreTheTwoDirectorsOfEachSegment) {
-  Scene scene;
+  DrawnScene scene;
   scene.add_rod(5, 0.7);
   const visualization_msgs::Marker marker = frames_marker(scene.snapshot, 0);
   EXPECT_EQ(marker.type, visualization_msgs::Marker::LINE_LIST);

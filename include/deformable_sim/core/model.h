@@ -38,6 +38,8 @@ struct StrainLimit {
   double stiffness;
 };
 
+struct SheetLook;
+
 struct Body {
   std::string name;
   BodyKind kind = BodyKind::kCloth;
@@ -61,6 +63,8 @@ struct Body {
   std::array<double, 2> valid_strain{{-1e9, 1e9}};   // of those edges: where the material's law holds
   std::map<std::string, std::vector<int>> features;  // corner_0..3, edge_0..3, end_0, end_1, center -> body-local nodes
   std::shared_ptr<const Skin> skin;                  // drawn and published as points in place of the nodes; may be null
+  std::shared_ptr<const SheetLook> look;             // cloth that is drawn with more than its colour; else null
+  double stripe = 0.25;                              // of the circumference of a rod with twist: width of its stripe
   /// Stress (Pa) at the nodes for the body's own columns of x: von Mises in solids, of the largest magnitude in sheets.
   /// Evaluated only to be shown. Empty: the model has no stress.
   std::function<Eigen::VectorXf(const Nodes&)> stress;

@@ -1,6 +1,7 @@
 // Colours that tell strain, stress, speed or contact.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "deformable_sim/core/snapshot.h"
@@ -18,7 +19,17 @@ using Color = Eigen::Vector3f;
 ///             Body::valid_strain, the range in which the material's law holds
 ///   stress    likewise over stress_range; red and positive for von Mises. A body whose model has no stress: grey
 ///   velocity  red at 1 m/s
-///   contact   red at twice the mean force of the touching nodes
+///   contact   red at twice the mean force of the touching nodes of all bodies
 std::vector<Color> body_colors(const Snapshot& snapshot, const Body& body, const OutputSpec& outputs);
+
+/// What color_by shows, and the values at grey (or blue) and at red. Without a quantity: the bodies' own colours.
+struct ColorScale {
+  std::string quantity, unit;
+  double low = 0.0, high = 0.0;  // in the unit; low = -high where there is blue, else 0
+};
+ColorScale color_scale(const Snapshot& snapshot, const OutputSpec& outputs);
+
+/// Blue at -1, grey at 0, red at 1 and beyond.
+Color scale_color(float value);
 
 }  // namespace deformable_sim

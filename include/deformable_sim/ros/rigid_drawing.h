@@ -9,6 +9,9 @@
 
 namespace deformable_sim {
 
+/// Edge of the square (m) by which a plane is drawn.
+constexpr double kPlaneSize = 10.0;
+
 /// One marker a shape, three a capsule; a plane is a thin slab of 10 m under its surface. Ids count from 0.
 std::vector<visualization_msgs::Marker> collider_markers(const Collider& collider);
 

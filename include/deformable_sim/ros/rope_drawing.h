@@ -10,8 +10,8 @@
 namespace deformable_sim {
 
 /// Appends a tube of triangles around the line of a body, coloured and lit at its nodes. A rope's is carried along
-/// without twist; that of a rod turns with the material, and the half of it that the first director points away from is
-/// of a second shade, so that twist shows as a stripe that winds.
+/// without twist; that of a rod turns with the material, and has a darker stripe along it (lighter on a dark rod), as
+/// wide as Body::stripe says, at whose middle the first director points.
 void draw_tube(const Snapshot& snapshot, const Body& body, const std::vector<Eigen::Vector3f>& colors,
                visualization_msgs::Marker* marker);
 

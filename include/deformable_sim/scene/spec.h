@@ -148,6 +148,17 @@ struct VisualSpec {
   double mesh_scale = 1.0;  // file units to m
 };
 
+/// How a body is drawn beyond its colour. No part of it touches the simulation.
+struct LookSpec {
+  Location where;
+  std::string path;      // of the key
+  double checker = 0.0;  // m: edge of the squares of a cloth; 0 = plain
+  std::optional<std::array<double, 3>> checker_color;  // rgb 0..1; none: the body's, much lighter
+  double seams = 0.0;                                  // m: width of the darker band along hems and seams; 0 = none
+  std::optional<double> thickness{0.0};                // m: distance of the two faces; 0 = one face; none: the material's
+  double stripe = 0.25;  // of the circumference of a rod with twist: width of its stripe; 0 = none
+};
+
 struct BodySpec {
   Location where;
   BodyKind kind = BodyKind::kCloth;
@@ -168,6 +179,7 @@ struct BodySpec {
   bool contact_at_faces = false;  // also hold face centroids off colliders, not only nodes
   bool contact_anywhere = false;  // and where edges and faces come nearest to them, in place of their middles
   VisualSpec visual;
+  LookSpec look;
 
   // cloth
   std::array<double, 2> size{{0.5, 0.5}};  // m, x and y
@@ -256,6 +268,12 @@ struct OutputSpec {
   double stress_range = 1.0e5;    // Pa, stress shown as full colour
   bool wireframe = false;
   bool frames = false;  // draw the frames of rods: tangent and the two directors of each segment
+  bool shadows = false;
+  bool contact_arrows = false;
+  double contact_scale = 0.0;           // m/N; 0: the longest arrow is a fifth of the scene
+  bool legend = true;                   // where color_by is not body
+  std::optional<Vec3> legend_position;  // m, of the foot of its bar; none: beside the bodies as they start
+  double legend_height = 0.0;           // m; 0: by the size of the scene
 };
 
 struct SceneSpec {

@@ -5,9 +5,12 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "deformable_sim/ros/body_drawing.h"
+#include "deformable_sim/ros/contact_drawing.h"
+#include "deformable_sim/ros/legend_drawing.h"
 #include "deformable_sim/ros/publishers/makers.h"
 #include "deformable_sim/ros/rigid_drawing.h"
 #include "deformable_sim/ros/robot_links.h"
+#include "deformable_sim/ros/shadow_drawing.h"
 
 namespace deformable_sim {
 
@@ -22,6 +25,8 @@ class Markers : public TopicsPublisher {
   explicit Markers(const PublisherContext& context) : frame_id_(context.frame_id), outputs_(context.outputs) {
     topics_.push_back(Topic::advertise<visualization_msgs::MarkerArray>(context, "markers"));
   }
+
+  bool shows_contacts() const override { return outputs_.contact_arrows; }
 
   void publish(const Instant& instant) override {
     visualization_msgs::MarkerArray message;
@@ -45,21 +50,28 @@ class Markers : public TopicsPublisher {
     message->markers.push_back(std::move(marker));
   }
 
+  /// rviz complains about a list without points.
+  static void add_list(const std::string& kind, const Body& body, Marker marker,
+                       visualization_msgs::MarkerArray* message) {
+    if (marker.points.empty()) return;
+    marker.ns = kind + "/" + body.name;
+    add(std::move(marker), Marker::ADD, message);
+  }
+
+  void draw_body(const Snapshot& snapshot, int index, visualization_msgs::MarkerArray* message) const {
+    const Body& body = snapshot.model->bodies[static_cast<std::size_t>(index)];
+    add_list("body", body, body_marker(snapshot, index, outputs_), message);
+    if (outputs_.wireframe) add_list("wireframe", body, wireframe_marker(snapshot, index), message);
+    if (outputs_.frames) add_list("frames", body, frames_marker(snapshot, index), message);
+    if (outputs_.shadows) add_list("shadow", body, shadow_marker(snapshot, index), message);
+    if (!outputs_.contact_arrows) return;
+    add_list("contact", body, contact_marker(snapshot, index, contact_arrow_scale(snapshot, outputs_)), message);
+  }
+
   void draw(const Snapshot& snapshot, visualization_msgs::MarkerArray* message) const {
-    for (std::size_t i = 0; i < snapshot.model->bodies.size(); ++i) {
-      Marker marker = body_marker(snapshot, static_cast<int>(i), outputs_);
-      marker.ns = "body/" + snapshot.model->bodies[i].name;
-      if (!marker.points.empty()) add(std::move(marker), Marker::ADD, message);
-      if (outputs_.wireframe) {
-        Marker lines = wireframe_marker(snapshot, static_cast<int>(i));
-        lines.ns = "wireframe/" + snapshot.model->bodies[i].name;
-        add(std::move(lines), Marker::ADD, message);
-      }
-      if (outputs_.frames && snapshot.model->bodies[i].first_segment >= 0) {
-        Marker frames = frames_marker(snapshot, static_cast<int>(i));
-        frames.ns = "frames/" + snapshot.model->bodies[i].name;
-        add(std::move(frames), Marker::ADD, message);
-      }
+    for (std::size_t i = 0; i < snapshot.model->bodies.size(); ++i) draw_body(snapshot, static_cast<int>(i), message);
+    if (outputs_.legend) {
+      for (Marker& marker : legend_markers(snapshot, outputs_)) add(std::move(marker), Marker::ADD, message);
     }
     for (const Collider& collider : snapshot.colliders) {
       if (collider.name.rfind(kRobotPrefix, 0) == 0) continue;  // rviz draws the robot itself
