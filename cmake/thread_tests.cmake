@@ -9,3 +9,5 @@ if(DEFORMABLE_SIM_ROS)
   target_sources(thread_tests PRIVATE test/ros/request_queue_test.cpp)
   target_link_libraries(thread_tests PRIVATE ${PROJECT_NAME}_ros)
 endif()
+# rosrun looks for programs by their names in the whole checkout, and is to find one node.
+set_target_properties(sim_node PROPERTIES OUTPUT_NAME watched_sim_node)

@@ -29,6 +29,19 @@ const char* key_of(BodyKind kind) {
   return kind == BodyKind::kRope ? "rope" : kind == BodyKind::kSoft ? "soft" : "cloth";
 }
 
+/// What is drawn beside the bodies, where it is asked for.
+struct ShownPart {
+  const char* key;
+  bool Config::*live;
+  bool OutputSpec::*scene;
+};
+constexpr ShownPart kShownParts[] = {
+    {"outputs.wireframe", &Config::wireframe, &OutputSpec::wireframe},
+    {"outputs.shadows", &Config::shadows, &OutputSpec::shadows},
+    {"outputs.contact_arrows", &Config::contact_arrows, &OutputSpec::contact_arrows},
+    {"outputs.legend", &Config::legend, &OutputSpec::legend},
+};
+
 Config values_of(const SceneSpec& scene) {
   Config config = Config::__getDefault__();
   config.gravity_x = scene.gravity.x();
@@ -44,6 +57,7 @@ Config values_of(const SceneSpec& scene) {
   config.color_by = scene.outputs.color_by;
   config.strain_range = scene.outputs.strain_range;
   config.stress_range = scene.outputs.stress_range;
+  for (const ShownPart& part : kShownParts) config.*part.live = scene.outputs.*part.scene;
   return config;
 }
 
@@ -67,6 +81,9 @@ std::vector<Override> difference(const Config& from, const Config& to, const Sce
   if (from.color_by != to.color_by) values.emplace_back("outputs.color_by", "\"" + to.color_by + "\"");
   if (from.strain_range != to.strain_range) values.emplace_back("outputs.strain_range", text_of(to.strain_range));
   if (from.stress_range != to.stress_range) values.emplace_back("outputs.stress_range", text_of(to.stress_range));
+  for (const ShownPart& part : kShownParts) {
+    if (from.*part.live != to.*part.live) values.emplace_back(part.key, to.*part.live ? "true" : "false");
+  }
   return values;
 }
 

@@ -73,6 +73,7 @@ class Caster {
     for (std::size_t t = first; t < tops_.size(); ++t) {
       const Top& top = tops_[t];
       if (height < top.height - kBelow) continue;
+      if (beside(polygon, top)) continue;
       if (within(polygon, top)) return add(polygon, top.height + kShadowLift);
       Polygon inside = polygon;
       for (const Vec3& half : top.half) {
@@ -89,6 +90,20 @@ class Caster {
   }
 
  private:
+  /// Whether one edge of the top separates them.
+  static bool beside(const Polygon& polygon, const Top& top) {
+    for (const Vec3& half : top.half) {
+      double least = 1e300, most = -1e300;
+      for (const Vec3& corner : polygon) {
+        const double at = (corner - top.middle).dot(half);
+        least = std::min(least, at);
+        most = std::max(most, at);
+      }
+      if (least >= half.squaredNorm() || most <= -half.squaredNorm()) return true;
+    }
+    return false;
+  }
+
   static bool within(const Polygon& polygon, const Top& top) {
     return std::all_of(polygon.begin(), polygon.end(), [&top](const Vec3& corner) {
       return std::abs((corner - top.middle).dot(top.half[0])) <= top.half[0].squaredNorm() &&

@@ -143,6 +143,19 @@ class Changes(Refusals, unittest.TestCase):
         self.assertEqual(self.live.update_configuration({'color_by': 'strain', 'strain_range': 0.01})['color_by'], 'strain')
         self.assertEqual(before, self.sim.everything())
 
+    def test_shadows_and_legend_come_and_go_live(self):
+        def spaces(message):
+            return {marker.ns for marker in message.markers if marker.action == Marker.ADD}
+        self.assertEqual(self.shown()['legend'], True)
+        markers = self.sim.listen('markers', MarkerArray)
+        markers.wait(lambda m: 'body/sheet' in spaces(m) and not {'shadow/sheet', 'legend'} & spaces(m))
+        self.live.update_configuration({'color_by': 'strain', 'shadows': True})
+        markers.wait(lambda m: {'shadow/sheet', 'legend'} <= spaces(m))
+        self.live.update_configuration({'color_by': 'body', 'shadows': False})
+        message = markers.wait(lambda m: not {'shadow/sheet', 'legend'} & spaces(m))
+        gone = {marker.ns for marker in message.markers if marker.action == Marker.DELETE}
+        self.assertLessEqual({'shadow/sheet', 'legend'}, gone)
+
     def test_a_value_that_is_refused_is_set_back(self):
         before = self.sim.everything()
         got = self.live.update_configuration({'color_by': 'mood'})

@@ -7,7 +7,7 @@ import struct
 import genpy
 import rospy
 from actionlib_msgs.msg import GoalID
-from dynamic_reconfigure.msg import DoubleParameter, StrParameter
+from dynamic_reconfigure.msg import BoolParameter, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from geometry_msgs.msg import Pose, PoseStamped, TransformStamped
 from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
@@ -29,14 +29,16 @@ FILES = ('', '/etc/passwd', '../../etc/passwd', '/dev/zero', '/dev/stdin', '/pro
          'package://no_such_package/x', 'package://deformable_sim/test/scene/data/blocks.bt', 'hanging_sheet', 'minimal', '.', '..',
          'a\x00b', 'x' * 5000, '/' * 4000, '../' * 1000 + 'etc/passwd')
 SCENES = ('bodies:\n  - rope: {name: line, segments: 4}\n',
-          'bodies:\n  - cloth: {name: sheet, size: [0.2, 0.2], cells: [3, 3], pins: [corner_0]}\n'
+          'bodies:\n  - cloth: {name: sheet, size: [0.2, 0.2], cells: [3, 3], pins: [corner_0],\n'
+          '      look: {checker: 0.05, seams: 0.02, thickness: 0.001}}\n'
           'colliders:\n  - sphere: {name: ball, radius: 0.05}\n',
-          'gravity: [0, 0, -9.81]\nstep: {dt: 0.005, integrator: bdf2}\n'
+          'gravity: [0, 0, -9.81]\nstep: {dt: 0.005, integrator: bdf2}\noutputs: {shadows: true, contact_arrows: true, color_by: contact}\n'
           'bodies:\n  - soft: {name: block, box: {size: [0.1, 0.1, 0.1], cells: [1, 1, 1]}}\n')
 BODIES = ('bodies: [{rope: {name: cord, segments: 4, pose: {position: [0, 5, 1]}}}]', 'bodies: [{rope: {name: line}}]', SCENES[1],
           'bodies:\n  - cloth: {name: extra, size: [0.2, 0.2], cells: [3, 3], touches: all, pins: [corner_0]}\n')
 MATERIALS = ('{damping: 0.01}', '{youngs_modulus: 100000}', '{diameter: 0.01}', 'denim_11oz_black', 'damping: 0.001\nthickness: 0.001')
 LIVE = ('gravity_z', 'wind_x', 'air_damping', 'friction', 'tolerance', 'accuracy', 'strain_range')
+SHOWN = ('wireframe', 'shadows', 'contact_arrows', 'legend')
 SCENE_WORDS = ('nan', '.inf', '-1', '1e308', '1000000000', '[]', '{}', '&a *a', '[1e9, 1e9]', 'null', '"', ': :', 'name', 'bodies',
                'mesh: /etc/passwd', '\t', '- -', '999999999999999999999')
 INTEGERS = {'int8': (-2**7, 2**7 - 1), 'uint8': (0, 2**8 - 1), 'byte': (-2**7, 2**7 - 1), 'char': (0, 2**8 - 1),
@@ -133,7 +135,8 @@ class Hostile:
     def values(self, request):
         result = request()
         result.config.doubles = [DoubleParameter(self.random.choice(LIVE), self.random.choice(FLOATS + (0.3, 0.02)))]
-        result.config.strs = [StrParameter('color_by', self.random.choice(('strain', 'body', 'mood', '')))]
+        result.config.bools = [BoolParameter(self.random.choice(SHOWN), self.random.random() < 0.5)]
+        result.config.strs = [StrParameter('color_by', self.random.choice(('strain', 'body', 'contact', 'mood', '')))]
         return result
 
     def scene(self, texts=SCENES):

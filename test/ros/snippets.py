@@ -213,7 +213,7 @@ class Page:
         kind = next((word for word in words[1:] if re.match(r'[a-z_]+$', word)), None)
         # What ./run does not know itself, the program `study` does.
         if name in ('bench', 'study') and words[1:] and kind == words[1] and not re.search(
-                r'^ +%s\)|== %s \]\]' % (kind, kind), self.run_script, re.MULTILINE):
+                r'^ +%s\)|== %s \]\]|=~ \^\(.*\b%s\b.*\)\$ \]\]' % (kind, kind, kind), self.run_script, re.MULTILINE):
             if not re.search(r'\b%s\b' % kind, self.finish([programs('study'), '--help'], expect=(0, 2))):
                 raise Broken('./run %s does not know %s' % (name, kind))
         self.named += 1

@@ -77,7 +77,7 @@ TEST(Look, IsRefusedWithPlaceAndRange) {
            {"squares", cloth + "{checker: 0}}", "bodies[0].cloth.look.checker: 0 is out of range; allowed: 0.001 ... 100"},
            {"no number", cloth + "{checker: .nan}}", "bodies[0].cloth.look.checker: "},
            {"too many squares", "cloth: {name: a, size: [50, 50], look: {checker: 0.001}}",
-            "bodies[0].cloth.look: cuts the sheet into more than 500000 pieces"},
+            "bodies[0].cloth.look: cuts the sheet into more than 100000 pieces"},
            {"colour of none", cloth + "{checker_color: [1, 1, 1]}}", "bodies[0].cloth.look.checker_color: belongs to checker"},
            {"colour", cloth + "{checker: 1, checker_color: [1, 1, 2]}}", "bodies[0].cloth.look.checker_color"},
            {"seams", cloth + "{seams: -1}}", "bodies[0].cloth.look.seams: -1 is out of range; allowed: 0 ... 1"},

@@ -52,7 +52,7 @@ struct SheetCut {
 };
 
 /// Pieces a sheet may be cut into, beyond the triangles it has.
-constexpr int kMaxCuts = 500000;
+constexpr int kMaxCuts = 100000;
 
 /// Squares alternate by the sum of their numbers along x and y, so a mesh that is no sheet in x and y should not have
 /// them. A fold is an edge where the faces of the rest shape turn by more than 60 degrees. A mesh without a pattern
