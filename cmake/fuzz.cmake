@@ -19,4 +19,6 @@ add_executable(fuzz_words EXCLUDE_FROM_ALL test/fuzz/words.cpp)
 target_link_libraries(fuzz_words PRIVATE fuzz_targets)
 add_custom_target(fuzz_programs DEPENDS ${FUZZ_PROGRAMS} fuzz_words)
 # rosrun looks for programs by their names in the whole checkout, and is to find one node.
-set_target_properties(sim_node PROPERTIES OUTPUT_NAME watched_sim_node)
+if(TARGET sim_node)
+  set_target_properties(sim_node PROPERTIES OUTPUT_NAME watched_sim_node)
+endif()

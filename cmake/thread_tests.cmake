@@ -10,4 +10,6 @@ if(DEFORMABLE_SIM_ROS)
   target_link_libraries(thread_tests PRIVATE ${PROJECT_NAME}_ros)
 endif()
 # rosrun looks for programs by their names in the whole checkout, and is to find one node.
-set_target_properties(sim_node PROPERTIES OUTPUT_NAME watched_sim_node)
+if(TARGET sim_node)
+  set_target_properties(sim_node PROPERTIES OUTPUT_NAME watched_sim_node)
+endif()

@@ -10,9 +10,9 @@ namespace deformable_sim {
 
 namespace {
 
-constexpr double kLongest = 0.2;    // of the scene
-constexpr double kWidth = 0.003;    // of the scene
-constexpr double kBarb = 0.2;       // of the arrow's length
+constexpr double kLongest = 0.2;  // of the scene
+constexpr double kWidth = 0.003;  // of the scene
+constexpr double kBarb = 0.2;     // of the arrow's length
 
 double scene_size(const Snapshot& snapshot) {
   const auto [low, high] = starting_box(*snapshot.model);

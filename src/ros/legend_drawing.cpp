@@ -8,6 +8,7 @@
 #include "deformable_sim/ros/body_drawing.h"
 #include "deformable_sim/ros/convert.h"
 #include "deformable_sim/ros/lit_triangles.h"
+#include "deformable_sim/ros/rigid_drawing.h"
 
 namespace deformable_sim {
 
@@ -16,9 +17,9 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr int kBands = 24;
-constexpr double kWidth = 0.08;        // of the bar's height
-constexpr double kLetter = 0.11;       // likewise
-constexpr double kSmallest = 0.05;     // m, the bar's height by itself
+constexpr double kWidth = 0.08;     // of the bar's height
+constexpr double kLetter = 0.11;    // likewise
+constexpr double kSmallest = 0.05;  // m, the bar's height by itself
 
 Marker bar(const ColorScale& scale, const Vec3& foot, double height) {
   Marker marker = blank_marker();
@@ -34,7 +35,8 @@ Marker bar(const ColorScale& scale, const Vec3& foot, double height) {
     const Vec3 low = foot + Vec3(0, 0, height * band / kBands), high = foot + Vec3(0, 0, height * (band + 1) / kBands);
     for (std::size_t side = 0; side < 4; ++side) {
       const Vec3 &a = corners[side], &b = corners[side + 1];
-      for (const Vec3& at : {Vec3(low + a), Vec3(low + b), Vec3(high + b), Vec3(low + a), Vec3(high + b), Vec3(high + a)}) {
+      for (const Vec3& at :
+           {Vec3(low + a), Vec3(low + b), Vec3(high + b), Vec3(low + a), Vec3(high + b), Vec3(high + a)}) {
         add_vertex(at, color, &marker);
       }
     }
@@ -47,7 +49,9 @@ Marker text(const std::string& words, const Vec3& at, double letter) {
   marker.type = Marker::TEXT_VIEW_FACING;
   marker.pose.position = to_point(at);
   marker.scale.z = letter;
-  marker.color.r = marker.color.g = marker.color.b = 0.1f;
+  marker.color.r = kLetterColor[0];
+  marker.color.g = kLetterColor[1];
+  marker.color.b = kLetterColor[2];
   marker.color.a = 1.0f;
   marker.text = words;
   return marker;

@@ -148,7 +148,7 @@ std::vector<Marker> grasp_markers(const GraspReport& grasp) {
   above.translation() = grasp.world_from_grasp.translation() + Vec3(0, 0, 2.0 * kBall);
   std::vector<Marker> markers{
       solid(Marker::SPHERE, grasp.world_from_grasp, Vec3(kBall, kBall, kBall), color_of(grasp.phase)),
-      solid(Marker::TEXT_VIEW_FACING, above, Vec3(0, 0, kLetter), {{0.1f, 0.1f, 0.1f}})};
+      solid(Marker::TEXT_VIEW_FACING, above, Vec3(0, 0, kLetter), kLetterColor)};
   markers[1].text = grasp.name;
   number("grasp/" + grasp.name, &markers);
   return markers;

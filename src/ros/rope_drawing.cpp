@@ -31,7 +31,8 @@ Eigen::Vector3f start_of_ring(const Snapshot& snapshot, const Body& body, int i,
   return sum.norm() > 1e-3f ? sum : director(i);  // half a turn from one segment to the next has no mean
 }
 
-/// Corners of a ring, as angles from the first director, and how many of its sides are the stripe, which it begins with.
+/// Corners of a ring, as angles from the first director, and how many of its sides are the stripe, which it begins
+/// with.
 struct TubeSides {
   std::array<float, kTubeSides> angle;
   int striped = 0;
@@ -42,8 +43,8 @@ struct TubeSides {
                                : kTubeSides) {
     const double width = striped == 0 || striped == kTubeSides ? static_cast<double>(striped) / kTubeSides : stripe;
     for (int k = 0; k < kTubeSides; ++k) {
-      const double turned = k < striped ? width * k / striped
-                                        : width + (1.0 - width) * (k - striped) / (kTubeSides - striped);
+      const double turned =
+          k < striped ? width * k / striped : width + (1.0 - width) * (k - striped) / (kTubeSides - striped);
       angle[static_cast<std::size_t>(k)] = static_cast<float>(2.0 * M_PI * (turned - 0.5 * width));
     }
   }

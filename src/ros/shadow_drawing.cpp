@@ -14,9 +14,9 @@ namespace deformable_sim {
 
 namespace {
 
-constexpr double kFlat = 0.99985;   // cosine of 1 degree
-constexpr double kBelow = 2e-3;     // m, that what casts a shadow may be below what it falls on
-constexpr double kSnapped = 1e-6;   // m
+constexpr double kFlat = 0.99985;  // cosine of 1 degree
+constexpr double kBelow = 2e-3;    // m, that what casts a shadow may be below what it falls on
+constexpr double kSnapped = 1e-6;  // m
 constexpr double kDarkness = 0.4;
 
 /// A flat top: a rectangle of the world.

@@ -19,8 +19,8 @@ class PaintedColors {
       : painting_(painting),
         checker_(static_cast<float>(look.checker_color[0]), static_cast<float>(look.checker_color[1]),
                  static_cast<float>(look.checker_color[2])),
-        colors_(look.cut.extended(Eigen::Map<const Eigen::Matrix3Xf>(colors.front().data(), 3,
-                                                                     static_cast<Eigen::Index>(colors.size())))) {}
+        colors_(look.cut.extended(
+            Eigen::Map<const Eigen::Matrix3Xf>(colors.front().data(), 3, static_cast<Eigen::Index>(colors.size())))) {}
 
   Color at(int corner, Paint paint) const {
     const Color own = colors_.col(corner);

@@ -84,12 +84,13 @@ Table<BodySpec> look_table(BodyKind kind) {
         "points at its middle. 0 = none.");
     return t;
   }
-  t.add({"checker", "number", "m", "plain", "0.001 ... 100",
-         "Edge of the squares of a checkered cloth, along x and y of the rest mesh (warp and weft), from its least x and "
-         "y on."},
-        [](const YamlValue& v, const std::string& path, BodySpec* body) {
-          body->look.checker = read_number(v, path, between(0.001, 100));
-        });
+  t.add(
+      {"checker", "number", "m", "plain", "0.001 ... 100",
+       "Edge of the squares of a checkered cloth, along x and y of the rest mesh (warp and weft), from its least x and "
+       "y on."},
+      [](const YamlValue& v, const std::string& path, BodySpec* body) {
+        body->look.checker = read_number(v, path, between(0.001, 100));
+      });
   t.add({"checker_color", "[r, g, b]", "", "much lighter than `color`", "0 ... 1", "Of every other square."},
         [](const YamlValue& v, const std::string& path, BodySpec* body) {
           read_vector(v, path, between(0, 1), body->look.checker_color.emplace().data(), 3);

@@ -374,7 +374,8 @@ Table<OutputSpec> output_table() {
         [](const YamlValue& v, const std::string& path, OutputSpec* out) {
           out->contact_scale = read_number(v, path, above(0, 1e6));
         });
-  t.boolean("legend", &OutputSpec::legend, "Also draw a bar with the numbers of the colours, where color_by is not body.");
+  t.boolean("legend", &OutputSpec::legend,
+            "Also draw a bar with the numbers of the colours, where color_by is not body.");
   t.add({"legend_position", "[x, y, z]", "m", "beside the bodies at the start", kCoordinate.text(),
          "Foot of the bar, in the world."},
         [](const YamlValue& v, const std::string& path, OutputSpec* out) {

@@ -47,11 +47,11 @@ std::string scene_reference() {
   page += section(pose_table().text(), "pose");
   page += section(air_table().text(), "air");
   page += section(step_table().text(), "step");
-  for (const MapText& map : {cloth_table().text(), cloth_material_table().text(), crease_table().text(),
-                             visual_table(BodyKind::kCloth).text(), look_table(BodyKind::kCloth).text(),
-                             rope_table().text(), rope_material_table().text(), look_table(BodyKind::kRope).text(),
-                             soft_table().text(), box_table().text(), lattice_table().text(),
-                             soft_material_table().text(), visual_table(BodyKind::kSoft).text()}) {
+  for (const MapText& map :
+       {cloth_table().text(), cloth_material_table().text(), crease_table().text(),
+        visual_table(BodyKind::kCloth).text(), look_table(BodyKind::kCloth).text(), rope_table().text(),
+        rope_material_table().text(), look_table(BodyKind::kRope).text(), soft_table().text(), box_table().text(),
+        lattice_table().text(), soft_material_table().text(), visual_table(BodyKind::kSoft).text()}) {
     page += section(map, map.path);
   }
   for (const TaggedTable& tagged : collider_tables()) page += section(tagged.table.text(), tagged.table.text().path);

@@ -58,7 +58,7 @@ class PanelInRviz(unittest.TestCase):
 
     def start_screen(self):
         read_end, write_end = os.pipe()
-        self.start(['Xvfb', '-displayfd', str(write_end), '-screen', '0', '1280x960x24', '-nolisten', 'tcp'],
+        self.start(['Xvfb', '-displayfd', str(write_end), '-screen', '0', '1280x960x24', '-nolisten', 'tcp', '-noreset'],
                    pass_fds=[write_end])
         os.close(write_end)
         with os.fdopen(read_end) as stream:

@@ -1,6 +1,9 @@
 // Cloth with squares, seams and thickness: where each is, in metres.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "deformable_sim/core/error.h"
 #include "deformable_sim/core/topology/sheet_cut.h"
 #include "deformable_sim/ros/body_drawing.h"
@@ -15,6 +18,18 @@ constexpr double kOwn = 0.5, kChecker = 0.9;  // red, of a body whose green tell
 
 Vec3 position(const geometry_msgs::Point& p) {
   return {p.x, p.y, p.z};
+}
+
+double seam_area(const TriangleMesh& mesh, double width) {
+  const SheetCut cut = cut_sheet(mesh, {0.0, width});
+  const Nodes x = cut.extended(mesh.rest);
+  double sum = 0.0;
+  for (const SheetCut::Piece& piece : cut.pieces) {
+    if (piece.paint != Paint::kSeam) continue;
+    const Vec3 a = x.col(piece.corner[0]), b = x.col(piece.corner[1]), c = x.col(piece.corner[2]);
+    sum += 0.5 * (b - a).cross(c - a).norm();
+  }
+  return sum;
 }
 
 /// A grey-green sheet with red squares. Green is 0.5 under every paint but seams'.
@@ -42,8 +57,8 @@ std::vector<Triangle> triangles_of(const Marker& marker) {
     for (std::size_t k = i; k < i + 3; ++k) {
       EXPECT_NEAR(marker.colors[k].r / marker.colors[k].g, marker.colors[i].r / marker.colors[i].g, 1e-5);
     }
-    all.push_back({(a + b + c) / 3.0, (b - a).cross(c - a), marker.colors[i].r / marker.colors[i].g,
-                   marker.colors[i].g});
+    all.push_back(
+        {(a + b + c) / 3.0, (b - a).cross(c - a), marker.colors[i].r / marker.colors[i].g, marker.colors[i].g});
   }
   return all;
 }
@@ -55,8 +70,8 @@ double area(const std::vector<Triangle>& triangles) {
 }
 
 TEST(Checker, AlternatesWithItsPeriodInMetresOnAnyCells) {
-  // Of 1 x 1 m from (-0.5, -0.5) on: colour by floor((x + 0.5) / s) + floor((y + 0.5) / s). Squares are cut out of coarse
-  // cells sharply: no triangle has a middle elsewhere than its colour says, and together they cover 1 m^2.
+  // Of 1 x 1 m from (-0.5, -0.5) on: colour by floor((x + 0.5) / s) + floor((y + 0.5) / s). Squares are cut out of
+  // coarse cells sharply: no triangle has a middle elsewhere than its colour says, and together they cover 1 m^2.
   for (const int cells : {1, 3, 10, 23}) {
     for (const double edge : {0.1, 0.15, 0.4}) {
       DrawnScene scene;
@@ -92,7 +107,8 @@ TEST(Checker, MovesWithTheMaterial) {
   add_painted_sheet(&scene, 3, {0.25, 0.0});
   for (int node = 0; node < 16; ++node) scene.snapshot.x(0, node) = 2.0 * scene.snapshot.x(0, node) + 7.0;
   for (const Triangle& t : triangles_of(body_marker(scene.snapshot, 0, OutputSpec()))) {
-    const int column = static_cast<int>((t.middle.x() - 6.0) / 0.5), row = static_cast<int>((t.middle.y() + 0.5) / 0.25);
+    const int column = static_cast<int>((t.middle.x() - 6.0) / 0.5),
+              row = static_cast<int>((t.middle.y() + 0.5) / 0.25);
     EXPECT_NEAR(t.red, ((column + row) % 2 != 0 ? kChecker : kOwn) / 0.5, 1e-4);
   }
 }
@@ -142,28 +158,39 @@ TEST(Seams, RunWhereTwoPanelsMeetButNotAcrossThem) {
   TriangleMesh mesh;
   mesh.rest = (Nodes(3, 6) << 0, 0, 1, 1, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 1, 1).finished();
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}};
-  const SheetCut cut = cut_sheet(mesh, {0.0, 0.1});
-  double seam = 0.0;
-  const Nodes x = cut.extended(mesh.rest);
-  for (const SheetCut::Piece& piece : cut.pieces) {
-    if (piece.paint != Paint::kSeam) continue;
-    const Vec3 a = x.col(piece.corner[0]), b = x.col(piece.corner[1]), c = x.col(piece.corner[2]);
-    seam += 0.5 * (b - a).cross(c - a).norm();
-  }
   // Each panel has a frame all around.
-  EXPECT_NEAR(seam, 2.0 * (1.0 - 0.8 * 0.8), 1e-9);
+  EXPECT_NEAR(seam_area(mesh, 0.1), 2.0 * (1.0 - 0.8 * 0.8), 1e-9);
   // With flat panels only the border is left: a frame of 2 x 1 m.
   mesh.rest.col(4) = Vec3(-1, 0, 0);
   mesh.rest.col(5) = Vec3(-1, 1, 0);
-  const SheetCut flat = cut_sheet(mesh, {0.0, 0.1});
-  double frame = 0.0;
-  const Nodes y = flat.extended(mesh.rest);
-  for (const SheetCut::Piece& piece : flat.pieces) {
-    if (piece.paint != Paint::kSeam) continue;
-    const Vec3 a = y.col(piece.corner[0]), b = y.col(piece.corner[1]), c = y.col(piece.corner[2]);
-    frame += 0.5 * (b - a).cross(c - a).norm();
+  EXPECT_NEAR(seam_area(mesh, 0.1), 2.0 - 1.8 * 0.8, 1e-9);
+}
+
+double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const double t = (p - a).dot(b - a) / (b - a).squaredNorm();
+  return (p - a - std::clamp(t, 0.0, 1.0) * (b - a)).norm();
+}
+
+TEST(Seams, StayAtTheBorderInsideAReflexCorner) {
+  // Three squares in an L, sheared, so that one edge of its inner corner leads into the other arm.
+  TriangleMesh mesh = make_grid(2.0, 2.0, 2, 2);
+  mesh.triangles.resize(6);
+  mesh.rest.row(0) += 0.6 * mesh.rest.row(1);
+  const double width = 0.1;
+  const SheetCut cut = cut_sheet(mesh, {0.0, width});
+  const Nodes x = cut.extended(mesh.rest);
+  for (const SheetCut::Piece& piece : cut.pieces) {
+    const Vec3 middle = (x.col(piece.corner[0]) + x.col(piece.corner[1]) + x.col(piece.corner[2])) / 3.0;
+    double distance = 1e9;
+    for (const SheetCut::Rim& rim : cut.rims) {
+      distance = std::min(distance, distance_to_segment(middle, x.col(rim.end[0]), x.col(rim.end[1])));
+    }
+    if (piece.paint == Paint::kSeam) {
+      EXPECT_LE(distance, std::sqrt(2.0) * width) << middle.transpose();
+    } else {
+      EXPECT_GE(distance, width) << middle.transpose();
+    }
   }
-  EXPECT_NEAR(frame, 2.0 - 1.8 * 0.8, 1e-9);
 }
 
 TEST(Thickness, SetsTwoFacesApartAlongTheNormal) {

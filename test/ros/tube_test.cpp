@@ -68,8 +68,8 @@ int count_striped(const visualization_msgs::Marker& tube) {
 }
 
 TEST(Tube, HasNoStripeWithoutTwistOrWidth) {
-  // Of a body as bright as 0.8, lit by 0.3 at least, nothing is darker than 0.24; but quads of eight sides have a vertex
-  // that is brighter than 0.4.
+  // Of a body as bright as 0.8, lit by 0.3 at least, nothing is darker than 0.24; but quads of eight sides have a
+  // vertex that is brighter than 0.4.
   DrawnScene scene;
   Body& body = scene.add_rod(3, 0.0);
   EXPECT_EQ(count_striped(body_marker(scene.snapshot, 0, OutputSpec())), 3 * 2);  // a quarter of eight sides

@@ -57,8 +57,8 @@ TEST(Look, LeavesTheSimulationAsItIs) {
   const std::string scene = "bodies:\n  - cloth: {name: a, cells: [6, 5], pins: [corner_0]";
   const std::string outputs = "}\noutputs: {shadows: true, contact_arrows: true, color_by: strain}\n";
   const auto plain = build_world(load_scene_text(scene + "}\n", "s.yaml"));
-  const auto painted =
-      build_world(load_scene_text(scene + ", look: {checker: 0.07, seams: 0.02, thickness: 0.003}" + outputs, "s.yaml"));
+  const auto painted = build_world(
+      load_scene_text(scene + ", look: {checker: 0.07, seams: 0.02, thickness: 0.003}" + outputs, "s.yaml"));
   for (int k = 0; k < 20; ++k) {
     plain->step();
     painted->step();
@@ -72,13 +72,16 @@ struct LookRefusal {
 };
 
 TEST(Look, IsRefusedWithPlaceAndRange) {
-  const std::string cloth = "cloth: {name: a, look: ", rope = "rope: {name: a, look: ", rod = "rope: {name: a, model: rod, look: ";
+  const std::string cloth = "cloth: {name: a, look: ", rope = "rope: {name: a, look: ",
+                    rod = "rope: {name: a, model: rod, look: ";
   for (const LookRefusal& wrong : std::vector<LookRefusal>{
-           {"squares", cloth + "{checker: 0}}", "bodies[0].cloth.look.checker: 0 is out of range; allowed: 0.001 ... 100"},
+           {"squares", cloth + "{checker: 0}}",
+            "bodies[0].cloth.look.checker: 0 is out of range; allowed: 0.001 ... 100"},
            {"no number", cloth + "{checker: .nan}}", "bodies[0].cloth.look.checker: "},
            {"too many squares", "cloth: {name: a, size: [50, 50], look: {checker: 0.001}}",
             "bodies[0].cloth.look: cuts the sheet into more than 100000 pieces"},
-           {"colour of none", cloth + "{checker_color: [1, 1, 1]}}", "bodies[0].cloth.look.checker_color: belongs to checker"},
+           {"colour of none", cloth + "{checker_color: [1, 1, 1]}}",
+            "bodies[0].cloth.look.checker_color: belongs to checker"},
            {"colour", cloth + "{checker: 1, checker_color: [1, 1, 2]}}", "bodies[0].cloth.look.checker_color"},
            {"seams", cloth + "{seams: -1}}", "bodies[0].cloth.look.seams: -1 is out of range; allowed: 0 ... 1"},
            {"thickness", cloth + "{thickness: thick}}", "bodies[0].cloth.look.thickness: "},
@@ -86,7 +89,8 @@ TEST(Look, IsRefusedWithPlaceAndRange) {
            {"stripe of a cloth", cloth + "{stripe: 0.5}}", "bodies[0].cloth.look.stripe: unknown key"},
            {"stripe without twist", rope + "{stripe: 0.5}}", "bodies[0].rope.look.stripe: belongs to model: rod"},
            {"stripe", rod + "{stripe: 1.5}}", "bodies[0].rope.look.stripe: 1.5 is out of range; allowed: 0 ... 1"},
-           {"look of a soft body", "soft: {name: a, box: {size: [1, 1, 1]}, look: {}}", "bodies[0].soft.look: unknown key"},
+           {"look of a soft body", "soft: {name: a, box: {size: [1, 1, 1]}, look: {}}",
+            "bodies[0].soft.look: unknown key"},
        }) {
     const std::string found = refusal("bodies:\n  - " + wrong.body + "\n");
     EXPECT_EQ(found.find("s.yaml:2: " + wrong.message), 0u) << wrong.name << ": " << found;

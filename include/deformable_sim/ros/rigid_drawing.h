@@ -1,6 +1,7 @@
 // Colliders and grasps as rviz markers.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <visualization_msgs/Marker.h>
@@ -11,6 +12,9 @@ namespace deformable_sim {
 
 /// Edge of the square (m) by which a plane is drawn.
 constexpr double kPlaneSize = 10.0;
+
+/// Of letters: read on a dark background, rviz's own, and on a light one.
+constexpr std::array<float, 3> kLetterColor{{0.80f, 0.42f, 0.05f}};
 
 /// One marker a shape, three a capsule; a plane is a thin slab of 10 m under its surface. Ids count from 0.
 std::vector<visualization_msgs::Marker> collider_markers(const Collider& collider);

@@ -151,12 +151,12 @@ struct VisualSpec {
 /// How a body is drawn beyond its colour. No part of it touches the simulation.
 struct LookSpec {
   Location where;
-  std::string path;      // of the key
-  double checker = 0.0;  // m: edge of the squares of a cloth; 0 = plain
+  std::string path;                                    // of the key
+  double checker = 0.0;                                // m: edge of the squares of a cloth; 0 = plain
   std::optional<std::array<double, 3>> checker_color;  // rgb 0..1; none: the body's, much lighter
   double seams = 0.0;                                  // m: width of the darker band along hems and seams; 0 = none
-  std::optional<double> thickness{0.0};                // m: distance of the two faces; 0 = one face; none: the material's
-  double stripe = 0.25;  // of the circumference of a rod with twist: width of its stripe; 0 = none
+  std::optional<double> thickness{0.0};  // m: distance of the two faces; 0 = one face; none: the material's
+  double stripe = 0.25;                  // of the circumference of a rod with twist: width of its stripe; 0 = none
 };
 
 struct BodySpec {

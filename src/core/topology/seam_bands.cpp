@@ -9,8 +9,8 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kFold = 0.5;         // cosine of 60 degrees
-constexpr double kTouching = 1e-3;    // of the band's width: reaches less are none
+constexpr double kFold = 0.5;       // cosine of 60 degrees
+constexpr double kTouching = 1e-3;  // of the band's width: reaches less are none
 
 /// An edge of a triangle, in its direction there.
 struct Side {
@@ -47,7 +47,10 @@ Vec3 face_normal(const TriangleMesh& mesh, int t) {
 SeamBand band_at(const TriangleMesh& mesh, const Side& side, double width) {
   const Vec3 a = corner(mesh, side.triangle, side.index), b = corner(mesh, side.triangle, side.index + 1);
   const Vec3 along = (b - a).normalized(), inward = face_normal(mesh, side.triangle).cross(along);
-  return {{{{-inward, -inward.dot(a) - width}, {along, along.dot(a) - width}, {-along, -along.dot(b) - width}}}};
+  return {{{{-inward, -inward.dot(a) - width},
+            {inward, inward.dot(a)},
+            {along, along.dot(a) - width},
+            {-along, -along.dot(b) - width}}}};
 }
 
 bool reaches(const TriangleMesh& mesh, int triangle, const SeamBand& band, double width) {

@@ -14,9 +14,9 @@ struct HalfSpace {
 };
 
 /// A rectangle along one border or fold edge, as wide as the band and by as much longer at both ends, so that bends of
-/// the border leave no gap. The first half-space ends the band's width, the others its length.
+/// the border leave no gap. The first two half-spaces end the band's width, the others its length.
 struct SeamBand {
-  std::array<HalfSpace, 3> bounds;
+  std::array<HalfSpace, 4> bounds;
 };
 
 /// Edges with one face, as {a, b, face}, in the direction of the face.
@@ -27,8 +27,9 @@ struct SeamBands {
   std::vector<std::vector<int>> of_triangle;  // the bands that reach into each triangle
 };
 
-/// Bands of a width (m, > 0) along borders, and on both sides of edges where faces turn by more than 60 degrees at rest.
-/// They do not cross other borders and folds. Throws InputError (kOutOfRange) beyond `most` reaches into triangles.
+/// Bands of a width (m, > 0) along borders, and on both sides of edges where faces turn by more than 60 degrees at
+/// rest. They do not cross other borders and folds. Throws InputError (kOutOfRange) beyond `most` reaches into
+/// triangles.
 SeamBands seam_bands(const TriangleMesh& mesh, double width, size_t most);
 
 }  // namespace deformable_sim

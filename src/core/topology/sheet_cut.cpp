@@ -10,7 +10,7 @@
 namespace deformable_sim {
 namespace {
 
-constexpr double kSnapped = 1e-3;     // of a square: a mesh line this near to its edge is its edge
+constexpr double kSnapped = 1e-3;      // of a square: a mesh line this near to its edge is its edge
 constexpr double kSeamSnapped = 0.02;  // of a band's width, likewise
 
 struct Checker {
@@ -61,7 +61,7 @@ class Cutter {
   }
 
   bool reaches_along(const SeamBand& band) const {
-    for (size_t k : {1, 2}) {
+    for (size_t k : {2, 3}) {
       if ((corners_.transpose() * band.bounds[k].normal).minCoeff() < band.bounds[k].offset) return false;
     }
     return true;
