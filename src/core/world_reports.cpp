@@ -155,8 +155,8 @@ std::string threads_text(const Workers* workers) {
   return workers->have_shared() ? ", on " + all : ", on 1 of " + all + ": nothing to share";
 }
 
-// m/s^2, about twice gravity: fast slack cloth misses the Newton tolerance at most steps without showing; see ~status.
-constexpr double kNotableResidual = 20.0;
+// m/s^2, about gravity: fast slack cloth misses the Newton tolerance at most steps without showing; see ~status.
+constexpr double kNotableResidual = 10.0;
 constexpr double kNotableGain = 0.1;           // of the energy that moves, in a second
 constexpr double kLeastEnergy = 1e-6;          // J: less is nothing
 constexpr double kNotablePenetration = 0.002;  // m
