@@ -69,11 +69,24 @@ void EnergyBook::add_colliders(const ContactConstraints& contacts, double h) {
     if (c.collider >= 0) work_ += h * c.force.dot(c.surface_velocity);
 }
 
+namespace {
+
+/// What terms store that may store less than nothing, J.
+double stored_below_zero(const Model& model, const State& s) {
+  double sum = 0.0;
+  for (const auto& e : model.energies) {
+    if (e->may_be_negative()) sum += std::min(0.0, e->value(s));
+  }
+  return sum;
+}
+
+}  // namespace
+
 bool EnergyBook::is_possible(const Model& model, const State& s) const {
   if (looks_ == 0) return true;
   const MotionEnergy e = motion_energy(model, s);
   const double slack = kShareOfMotion * e.kinetic + kLift * mass_ + std::abs(work_) + allowed_;
-  return e.kinetic + e.weight <= level() + work_ + slack;
+  return e.kinetic + e.weight + stored_below_zero(model, s) <= level() + work_ + slack;
 }
 
 bool EnergyBook::has_gained(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double share,

@@ -87,6 +87,7 @@ void check_cloth(const YamlValue& entry, const std::string& path, const BodySpec
     check_springs(entry, material, path, body);
   }
   check_bending(entry, material, path, body);
+  if (body.cloth.pressure == 0.0) only_with(&entry, path, {"pressure_rise"}, "belongs to pressure");
   if (body.look.checker == 0.0) {
     only_with(entry.find("look"), path + ".look", {"checker_color"}, "belongs to checker");
   }

@@ -5,6 +5,7 @@
 #include "build_parts.h"
 #include "creases.h"
 #include "deformable_sim/core/energy/shell_terms.h"
+#include "deformable_sim/core/energy/terms.h"
 #include "deformable_sim/core/material/spring_moduli.h"
 #include "deformable_sim/core/strain_limit.h"
 #include "deformable_sim/scene/mesh_file.h"
@@ -170,6 +171,15 @@ void add_membrane(const BodySpec& spec, const std::shared_ptr<const TriangleMesh
   }
 }
 
+void add_pressure(const BodySpec& spec, const TriangleMesh& mesh, int first_node, Parts* parts) {
+  if (spec.cloth.pressure == 0.0) return;
+  if (!is_closed(mesh))
+    throw InputError("pressure needs a closed mesh; this one has an edge with a face on one side only");
+  const double outwards = enclosed_volume(mesh) < 0.0 ? -1.0 : 1.0;
+  parts->terms.push_back(
+      make_pressure(mesh.triangles, outwards * spec.cloth.pressure, spec.cloth.pressure_rise, first_node));
+}
+
 }  // namespace
 
 ClothBending bending_of(const BodySpec& spec) {
@@ -199,6 +209,7 @@ void add_cloth(const BodySpec& spec, Body* body, Parts* parts) {
   if (mesh->is_grid() && spec.cloth.model != ClothModel::kMembrane) {
     add_grid(spec, *mesh, network, differences, body->first_node, parts);
   }
+  add_pressure(spec, *mesh, body->first_node, parts);
   add_strain_edges(structural, body);
   if (spec.cloth.strain_limit) {
     const std::vector<StrainLimit> limits = strain_limits(structural, *spec.cloth.strain_limit, body->first_node);

@@ -56,6 +56,13 @@ void add_model_keys(Table<BodySpec>* t) {
   t->optional_number(
       "strain_limit", "", [](BodySpec& b) -> std::optional<double>& { return b.cloth.strain_limit; }, between(0.001, 1),
       "none", "Structural edges stretched beyond this strain are pulled back to it after every step; 0.1 is Provot's.");
+  t->number(
+      "pressure", "Pa", [](BodySpec& b) -> double& { return b.cloth.pressure; }, between(-1e5, 1e6),
+      "Gauge pressure inside a closed mesh: it pushes outwards, < 0 inwards. It is kept up, as by a pump, whatever the "
+      "volume.");
+  t->number(
+      "pressure_rise", "s", [](BodySpec& b) -> double& { return b.cloth.pressure_rise; }, between(0, 1000),
+      "The pressure rises from nothing in this time after the start of the simulation.");
   add_visual_key(t, BodyKind::kCloth);
   add_look_key(t, BodyKind::kCloth);
 }

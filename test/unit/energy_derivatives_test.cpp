@@ -55,6 +55,11 @@ const std::multimap<std::string, Case>& cases() {
         [] {
           return make_sheet_drag({{0, 1, 2}, {1, 2, 3}, {4, 3, 0}}, gusty_air());
         }}},
+      {"make_pressure",
+       {true,
+        [] {
+          return make_pressure({{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, 300.0, 0.4, 1);
+        }}},
       {"make_line_drag",
        {false,
         [] {

@@ -83,6 +83,8 @@ struct ClothModelSpec {
   RestShape rest_shape = RestShape::kAsMeshed;
   std::vector<CreaseSpec> creases;
   std::optional<double> strain_limit;  // largest strain of the structural springs or edges
+  double pressure = 0.0;               // Pa, gauge, inside a closed mesh, outwards > 0
+  double pressure_rise = 0.0;          // s from time 0 on, until it is there
   int upsample = 1;                    // drawn so many times finer along each side of a cell; grids
 };
 

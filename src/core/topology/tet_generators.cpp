@@ -216,7 +216,7 @@ TetMesh make_box(const Vec3& size, const std::array<int, 3>& cells) {
 
 TetMesh make_lattice_around(const TriangleMesh& surface, double cell) {
   check_mesh(surface);
-  if (hinges_of(surface).size() != edges_of(surface).size()) {
+  if (!is_closed(surface)) {
     throw InputError("the surface is not closed: an edge has a face on one side only");
   }
   if (!(cell > 0.0) || !std::isfinite(cell)) {

@@ -164,6 +164,18 @@ Nodes vertex_normals(const TriangleMesh& mesh, const Eigen::Ref<const Nodes>& x)
   return normals;
 }
 
+double enclosed_volume(const TriangleMesh& mesh) {
+  double six = 0.0;
+  for (const auto& t : mesh.triangles) {
+    six += mesh.rest.col(t[0]).dot(mesh.rest.col(t[1]).cross(mesh.rest.col(t[2])));
+  }
+  return six / 6.0;
+}
+
+bool is_closed(const TriangleMesh& mesh) {
+  return hinges_of(mesh).size() == edges_of(mesh).size();
+}
+
 void check_mesh(const TriangleMesh& mesh) {
   check_vertices(mesh);
   check_faces(mesh);

@@ -23,6 +23,12 @@ struct IsLaggable : std::false_type {};
 template <class E>
 struct IsLaggable<E, std::void_t<decltype(&E::lagged_stiffness)>> : std::true_type {};
 
+/// Whether the energy of E may be below 0.
+template <class E, class = void>
+struct MayBeNegative : std::false_type {};
+template <class E>
+struct MayBeNegative<E, std::void_t<decltype(E::kMayBeNegative)>> : std::bool_constant<E::kMayBeNegative> {};
+
 /// One element type E over many sets of nodes.
 ///
 /// E is a pure function of a few points and provides
@@ -37,7 +43,8 @@ struct IsLaggable<E, std::void_t<decltype(&E::lagged_stiffness)>> : std::true_ty
 ///     uniform_block(...), the one block that all pairs of points have in common in the projected Jacobian, or
 ///     jacobian(x, v, rest, context, dx, dv, kind), exact or projected.
 /// An E that reads what the state remembers beside time, x and v has a type Memory, memory(state, rest), and takes one
-/// as its last argument of energy and force and before dx of jacobian.
+/// as its last argument of energy and force and before dx of jacobian. Where the energy may be below 0 there is a
+/// kMayBeNegative that is true.
 template <class E>
 class ElementEnergy : public Energy {
  public:
@@ -54,6 +61,8 @@ class ElementEnergy : public Energy {
   std::string name() const override { return name_; }
   int element_count() const override { return static_cast<int>(elements_.size()); }
   const std::vector<Element>& elements() const { return elements_; }
+
+  bool may_be_negative() const override { return MayBeNegative<E>::value; }
 
   double value(const State& s) const override {
     [[maybe_unused]] const typename E::Context context = E::context(parameters_, s.time);

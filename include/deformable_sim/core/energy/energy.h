@@ -43,6 +43,10 @@ class Energy {
   /// A -= dx * df/dx + dv * df/dv.
   virtual void add_jacobian(const State& s, double dx, double dv, Jacobian kind, BlockMatrix* a) const = 0;
 
+  /// Whether the energy may be below 0, as that of a pressure. Else what motion can gain is bounded by what is stored,
+  /// and a step by which it gains more is made again.
+  virtual bool may_be_negative() const { return false; }
+
   /// Of terms that are nothing but a MassForce; null for all others.
   virtual const MassForce* mass_force() const { return nullptr; }
 

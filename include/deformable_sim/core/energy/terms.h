@@ -32,6 +32,12 @@ std::unique_ptr<Energy> make_mass_damping(const Eigen::VectorXd& mass, double ra
 /// node.
 std::unique_ptr<Energy> make_sheet_drag(const std::vector<std::array<int, 3>>& triangles, const Air& air);
 
+/// A gauge pressure (Pa, outwards > 0) that rises from nothing in `rise` s after time 0 and is kept up, inside a closed
+/// surface, whose triangles are wound counter-clockwise from outside: E = -p V. Not good at: gas that is sealed in,
+/// whose pressure rises as it shrinks.
+std::unique_ptr<Energy> make_pressure(const std::vector<std::array<int, 3>>& triangles, double pressure, double rise,
+                                      int first_node);
+
 /// Cross-flow drag on segments of a cylinder: 1/2 rho C_d D l |u_n| u_n, half to each end.
 std::unique_ptr<Energy> make_line_drag(const std::vector<std::array<int, 2>>& segments, double diameter,
                                        const Air& air);

@@ -31,6 +31,12 @@ std::vector<std::array<int, 4>> hinges_of(const TriangleMesh& mesh);
 /// whose faces cancel or vanish, for a drawing must not get NaN.
 Nodes vertex_normals(const TriangleMesh& mesh, const Eigen::Ref<const Nodes>& x);
 
+/// Volume (m^3) inside a closed mesh; < 0 where its faces are wound clockwise seen from outside.
+double enclosed_volume(const TriangleMesh& mesh);
+
+/// Whether every edge has two faces. Of a mesh that check_mesh() passes.
+bool is_closed(const TriangleMesh& mesh);
+
 /// Throws InputError naming the offending face or edge: index out of range, repeated node, zero area, non-finite
 /// vertex, an edge shared by more than two faces, faces on one edge wound the same way, unused vertex.
 void check_mesh(const TriangleMesh& mesh);
