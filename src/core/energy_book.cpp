@@ -39,7 +39,7 @@ MotionEnergy motion_energy(const Model& model, const State& s) {
 }
 
 void EnergyBook::begin() {
-  looks_ = 0;
+  looks_ = evaluations_ = 0;
   at_start_ = at_end_ = kUnknown;
 }
 
@@ -98,7 +98,8 @@ bool EnergyBook::has_gained(const Model& model, const Dynamics& d, const Energy*
   const double was = known ? at_start_ : last_level();
   const double given = known ? work_ - work_before_ : work_;
   const double scale = motion.kinetic + std::abs(was - motion.weight);
-  return at_end_ > was + std::abs(given) + allowed_ + share * scale + lift * mass_;
+  const double most = std::min(was + std::abs(given), level() + std::abs(work_));
+  return at_end_ > most + allowed_ + share * scale + lift * mass_;
 }
 
 double EnergyBook::level() const {
@@ -116,7 +117,9 @@ double EnergyBook::power(const Dynamics& d, const State& s) {
   return sum;
 }
 
-void EnergyBook::end_step(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double dt) {
+void EnergyBook::end_step(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double dt,
+                          int evaluations) {
+  evaluations_ = std::isnan(at_end_) ? evaluations_ + evaluations : 0;
   allowed_ += 2.0 * drive_ * dt;
   if (looks_ > 0 && ++age_ < kLookSteps) return;
   const MotionEnergy motion = motion_energy(model, s);

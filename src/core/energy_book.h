@@ -46,14 +46,18 @@ class EnergyBook {
 
   /// Whether the step that ended at `s` is possible, as far as weight and motion tell.
   bool is_possible(const Model& model, const State& s) const;
+  /// Whether the look of has_gained() costs little beside the forces that were evaluated since the last of its kind,
+  /// `evaluations` of them in the present step.
+  bool is_look_cheap(int evaluations) const { return evaluations_ + evaluations >= kManyEvaluations; }
   /// Whether there is more energy of all kinds at `s`, where a step ends, than there was and was given since, by a
   /// share of what moves and is stored and `lift` (J/kg); for steps of which anything may come. "Was": where the step
-  /// began, if that was asked then, else at the last look.
+  /// began, if that was asked then, but no more than at the last looks.
   bool has_gained(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double share,
                   double lift);
   /// The step is accepted: takes a look when it is time, at all energies of `d` but `ignored`, which stores none of its
-  /// own; dt: of the step, s.
-  void end_step(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double dt);
+  /// own; dt: of the step, s, in which forces were evaluated so many times.
+  void end_step(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double dt,
+                int evaluations);
 
   /// The next look is due.
   void hurry() { age_ = kLookSteps; }
@@ -68,6 +72,7 @@ class EnergyBook {
   void pass(Archive* archive);
 
  private:
+  static constexpr int kManyEvaluations = 16;
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
   /// J, that there may be at the last look.
@@ -83,6 +88,7 @@ class EnergyBook {
   double work_ = 0.0, work_before_ = 0.0;           // J since the look, and when the step began
   double allowed_ = 0.0;                            // J since the look, of wind
   double at_start_ = kUnknown, at_end_ = kUnknown;  // J, of the step, where has_gained() asked; else NaN
+  int evaluations_ = 0;                             // of forces, since has_gained() was asked of an accepted step
   double mass_ = 0.0;                               // kg
   double created_ = 0.0, lately_ = 0.0, scale_ = 0.0;
   Nodes force_;

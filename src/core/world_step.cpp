@@ -23,7 +23,6 @@ constexpr double kUnsolvedGain = 0.05;  // of all energy, that a step which is n
 constexpr double kUnsolvedLift = 2e-4;  // J/kg: besides
 constexpr double kExplicitGain = 0.25;  // the same, of an explicit one: the faster a mode the more its energy swings
 constexpr double kExplicitLift = 0.02;
-constexpr int kManyParts = 16;
 const char* const kSafeScheme = "implicit_euler";
 constexpr int kSafeIterations = 30;
 constexpr int kSafeParts[] = {8, 64};  // of a step by the safe scheme
@@ -115,10 +114,10 @@ bool World::Parts::try_step(int parts) {
 }
 
 /// What is left far from a solution may be anything: its elastic energy counts as well. So it does where an explicit
-/// scheme evaluates forces so often in a step that a look at all energies is cheap.
+/// scheme evaluated forces so often that a look at all energies is cheap.
 bool World::Parts::unsound_step_gains() {
   const bool unsolved = !report.converged && report.residual > kGrossResidual;
-  const bool cheap = !integrator->needs().jacobian && report.force_evaluations >= kManyParts;
+  const bool cheap = !integrator->needs().jacobian && book.is_look_cheap(report.force_evaluations);
   if (!unsolved && !cheap) return false;
   const Energy* ignored = limiter ? limiter->springs() : nullptr;
   return book.has_gained(*model, dynamics, ignored, state, unsolved ? kUnsolvedGain : kExplicitGain,
@@ -250,7 +249,7 @@ void World::Parts::accept_step() {
     ++repeated;
     if (controller) controller->hurry();
   }
-  book.end_step(*model, dynamics, limiter ? limiter->springs() : nullptr, state, settings.dt);
+  book.end_step(*model, dynamics, limiter ? limiter->springs() : nullptr, state, settings.dt, report.force_evaluations);
   if (!grasps.empty() && grasps.slip_overloaded()) held_nodes_changed();
 }
 

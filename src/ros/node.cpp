@@ -145,7 +145,8 @@ SimulationServer::~SimulationServer() = default;
 
 namespace {
 
-/// Whether an interrupt ends the node. roscpp acts on one within a tenth of a second; calls that it cut off fail before.
+/// Whether an interrupt ends the node. roscpp acts on one within a tenth of a second; calls that it cut off fail
+/// before.
 bool is_interrupted() {
   for (int i = 0; i < 30 && !ros::isShuttingDown(); ++i) ros::WallDuration(0.01).sleep();
   return ros::isShuttingDown();
