@@ -119,6 +119,7 @@ void pass_report(Archive* archive, StepReport* report) {
 void World::Parts::pass(Archive* archive) {
   if (!archive->looks_on()) {
     stable_dt_age = -1;
+    sunk_until = 0;
     integrator->reset();
   }
   if (identity.empty()) identity = identity_of(*model, settings);

@@ -18,6 +18,7 @@ constexpr double kDiverged = 1e6;         // m/s^2: such a step is no solution a
 constexpr double kViolation = 0.0005;     // m: contacts that end so far inside are tried again in shorter parts
 constexpr double kLost = 0.005;           // m: the same, as often as it takes
 constexpr int kMaxRefinements = 2;
+constexpr std::uint64_t kGivenUp = 20;  // steps, in which nothing is done about what sinks
 constexpr double kOverlap = 0.001;      // m: bodies this far inside a collider are let out, which takes work
 constexpr double kUnsolvedGain = 0.05;  // of all energy, that a step which is no solution may err by
 constexpr double kUnsolvedLift = 2e-4;  // J/kg: besides
@@ -175,8 +176,8 @@ bool World::Parts::step_twice() {
   return true;
 }
 
-bool World::Parts::is_outside(double depth) {
-  return !contacts || std::isinf(depth) || contacts->penetration(state.x, collider_steps, dynamics.contacts) <= depth;
+double World::Parts::depth_of_state() {
+  return contacts ? contacts->penetration(state.x, collider_steps, dynamics.contacts) : 0.0;
 }
 
 /// From the last good state, where the scene's scheme has found no step: implicit Euler with Newton's method given
@@ -203,7 +204,7 @@ bool World::Parts::step_safely(double depth) {
     state.dt_before = 0.0;
     substeps = parts;
     refinements = kMaxHalvings;  // what would cross stays where it is
-    ok = try_step(parts) && is_outside(depth) &&
+    ok = try_step(parts) && depth_of_state() <= depth &&
          (report.residual <= kDiverged || (book.is_possible(*model, state) && violation <= kLost));
     if (ok) break;
   }
@@ -224,15 +225,24 @@ bool World::Parts::step_safely(double depth) {
   return ok;
 }
 
-/// From the last good state: by the scene's scheme, or by the safe one where that finds none or what it left unsolved
-/// makes energy, as an explicit one may. Where bodies do not meet such a step is better than none, and told.
+/// From the last good state: by the scene's scheme, or by the safe one where that finds none, what it left unsolved
+/// makes energy, as an explicit one may, or points sink into colliders, step by step. Where bodies do not meet, a step
+/// that makes energy is better than none, and told; so is one that sinks.
 bool World::Parts::step_somehow() {
+  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
   const bool made = controller && controller->is_check_due() ? step_twice() : step_in_parts();
-  if (!made) return step_safely(std::numeric_limits<double>::infinity());
-  if (!makes_energy || (report.converged && integrator->needs().jacobian)) return true;
+  if (!made) return step_safely(kAnywhere);
+  const bool gains = makes_energy && !(report.converged && integrator->needs().jacobian);
+  const double depth = depth_of_state(), bearable = std::max(kLost, max_penetration);
+  const bool sinks = depth > bearable && step_count >= sunk_until;
+  if (!gains && !sinks) return true;
   const int parts = substeps, begun = refinements;
-  if (step_safely(meetings ? std::numeric_limits<double>::infinity() : max_penetration)) return true;
-  if (meetings) return false;
+  const double better = sinks ? depth - kViolation : max_penetration;
+  const bool safe = step_safely(gains && meetings ? kAnywhere : better);
+  // A body between colliders that leave it no room sinks whatever is done.
+  if (sinks && depth_of_state() > bearable) sunk_until = step_count + kGivenUp;
+  if (safe) return true;
+  if (gains && meetings) return false;
   restore_last_good();
   substeps = parts;
   refinements = begun;
@@ -244,7 +254,7 @@ void World::Parts::accept_step() {
   // From the count, so that a stamp does not carry the rounding of all steps before it.
   ++step_count;
   state.time = static_cast<double>(step_count) * settings.dt;
-  if (contacts) max_penetration = contacts->penetration(state.x, collider_steps, dynamics.contacts);
+  if (contacts) max_penetration = depth_of_state();
   if (refinements > 0) {
     ++repeated;
     if (controller) controller->hurry();

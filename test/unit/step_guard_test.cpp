@@ -46,7 +46,7 @@ TEST(EnergyBook, KnowsFreeFallAndRefusesSpeedFromNowhere) {
   EnergyBook book;
   State s = model->initial;
   book.begin_step();
-  book.end_step(*model, d, nullptr, s, 0.01);
+  book.end_step(*model, d, nullptr, s, 0.01, 1);
   s.x(2, 0) = -5.0;
   s.v(2, 0) = -10.0;
   EXPECT_NEAR(motion_energy(*model, s).kinetic, 100.0, 1e-12);
@@ -59,11 +59,49 @@ TEST(EnergyBook, KnowsFreeFallAndRefusesSpeedFromNowhere) {
   book.begin_step();
   book.add(1e6);
   book.restart_step();
-  for (int k = 0; k < EnergyBook::kLookSteps; ++k) book.end_step(*model, d, nullptr, s, 0.01);
+  for (int k = 0; k < EnergyBook::kLookSteps; ++k) book.end_step(*model, d, nullptr, s, 0.01, 1);
   EXPECT_NEAR(book.created(), 0.0, 1e-9);
   s.v *= 2.0;
-  for (int k = 0; k < EnergyBook::kLookSteps; ++k) book.end_step(*model, d, nullptr, s, 0.01);
+  for (int k = 0; k < EnergyBook::kLookSteps; ++k) book.end_step(*model, d, nullptr, s, 0.01, 1);
   EXPECT_NEAR(book.created(), 1200.0, 1e-9);
+}
+
+TEST(EnergyBook, SeesAGainThatIsSmallInEachStep) {
+  // Kinetic energy grows by 17 % a step, below the quarter that a single one may swing by.
+  const auto model = test::points_model(Nodes::Zero(3, 1), 2.0, Vec3::Zero());
+  const Dynamics d;
+  EnergyBook book;
+  State s = model->initial;
+  s.v(0, 0) = 10.0;
+  book.begin_step();
+  book.end_step(*model, d, nullptr, s, 0.01, 1);
+  int steps = 0;
+  while (steps < 10) {
+    book.begin_step();
+    s.v(0, 0) *= 1.08;
+    if (book.has_gained(*model, d, nullptr, s, 0.25, 0.0)) break;
+    book.end_step(*model, d, nullptr, s, 0.01, 1);
+    ++steps;
+  }
+  EXPECT_EQ(steps, 4);  // the first n with r^(n + 1) > 1 + (r^(n + 1) + r^n) / 4, r = 1.08^2: a gain of a half of the mean
+}
+
+TEST(EnergyBook, CountsForcesUntilALookAtAllEnergiesIsCheap) {
+  const auto model = test::points_model(Nodes::Zero(3, 1), 2.0, Vec3::Zero());
+  const Dynamics d;
+  EnergyBook book;
+  const State s = model->initial;
+  EXPECT_TRUE(book.is_look_cheap(16));
+  for (int k = 0; k < 3; ++k) {
+    book.begin_step();
+    EXPECT_FALSE(book.is_look_cheap(5));
+    book.end_step(*model, d, nullptr, s, 0.01, 5);
+  }
+  book.begin_step();
+  EXPECT_TRUE(book.is_look_cheap(5));  // 20 by now
+  book.has_gained(*model, d, nullptr, s, 0.25, 0.0);
+  book.end_step(*model, d, nullptr, s, 0.01, 5);
+  EXPECT_FALSE(book.is_look_cheap(5));
 }
 
 TEST(EnergyBook, BalancesForceTimesWayOfAHeldNode) {
