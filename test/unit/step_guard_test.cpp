@@ -83,7 +83,8 @@ TEST(EnergyBook, SeesAGainThatIsSmallInEachStep) {
     book.end_step(*model, d, nullptr, s, 0.01, 1);
     ++steps;
   }
-  EXPECT_EQ(steps, 4);  // the first n with r^(n + 1) > 1 + (r^(n + 1) + r^n) / 4, r = 1.08^2: a gain of a half of the mean
+  EXPECT_EQ(steps,
+            4);  // the first n with r^(n + 1) > 1 + (r^(n + 1) + r^n) / 4, r = 1.08^2: a gain of a half of the mean
 }
 
 TEST(EnergyBook, CountsForcesUntilALookAtAllEnergiesIsCheap) {
