@@ -122,7 +122,7 @@ void World::Parts::start() {
   report = StepReport();
   substeps = 1;
   repeated = 0;
-  sunk_until = 0;
+  sunk_until = 1;
   safe_until = 0.0;
   max_penetration = 0.0;
   book.forget();
@@ -188,7 +188,7 @@ void World::Parts::bind_terms() {
 
 void World::Parts::colliders_changed() {
   book.begin();
-  sunk_until = 0;
+  sunk_until = step_count + 1;
   dynamics.contacts.clear();
   if (colliders.empty()) {
     contacts.reset();

@@ -119,13 +119,13 @@ void pass_report(Archive* archive, StepReport* report) {
 void World::Parts::pass(Archive* archive) {
   if (!archive->looks_on()) {
     stable_dt_age = -1;
-    sunk_until = 0;
     integrator->reset();
   }
   if (identity.empty()) identity = identity_of(*model, settings);
   pass_identity(identity, archive);
   archive->pass(&step_count);
   if (step_count > (std::uint64_t{1} << 52)) Archive::refuse("more steps than can be");
+  if (!archive->looks_on()) sunk_until = step_count + 1;
   colliders.pass(initial_colliders, archive);
   grasps.pass(archive);
   if (archive->reads()) {

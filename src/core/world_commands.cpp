@@ -99,6 +99,7 @@ Reply World::apply(const Command& any) {
       w.state.x_before.resize(3, 0);  // the motion up to here is not that of the new state
       w.state.v_before.resize(3, 0);
       w.stable_dt_age = -1;
+      w.sunk_until = w.step_count + 1;
       w.book.begin();
       if (w.controller) w.controller->hurry();
       w.integrator->reset();

@@ -67,11 +67,12 @@ struct World::Parts {
   int refinements = 0;       // how often the last step was begun anew in shorter parts
   bool last_resort = false;  // step_safely() is at work
   double max_penetration = 0.0;
-  double violation = 0.0;        // m, of the worst contact in any part of the step
-  bool makes_energy = false;     // so it seems: see EnergyBook::is_possible()
-  std::uint64_t repeated = 0;    // steps that were begun anew, since the start
-  std::uint64_t sunk_until = 0;  // the step from which on something is done again about what sinks into colliders
-  double safe_until = 0.0;       // s: until when it is told that the safe scheme had to make a step
+  double violation = 0.0;      // m, of the worst contact in any part of the step
+  bool makes_energy = false;   // so it seems: see EnergyBook::is_possible()
+  std::uint64_t repeated = 0;  // steps that were begun anew, since the start
+  // The step from which on what sinks into colliders is got out: not what was put or left there.
+  std::uint64_t sunk_until = 0;
+  double safe_until = 0.0;  // s: until when it is told that the safe scheme had to make a step
   EnergyBook book;
   std::unique_ptr<StepController> controller;  // only where the parts of steps are not fixed
   std::string failure;                         // why the last step could not be made

@@ -18,6 +18,7 @@ constexpr double kDiverged = 1e6;         // m/s^2: such a step is no solution a
 constexpr double kViolation = 0.0005;     // m: contacts that end so far inside are tried again in shorter parts
 constexpr double kLost = 0.005;           // m: the same, as often as it takes
 constexpr int kMaxRefinements = 2;
+constexpr double kHopeless = 0.02;      // m: what is deeper was put there, or thrown
 constexpr std::uint64_t kGivenUp = 20;  // steps, in which nothing is done about what sinks
 constexpr double kOverlap = 0.001;      // m: bodies this far inside a collider are let out, which takes work
 constexpr double kUnsolvedGain = 0.05;  // of all energy, that a step which is no solution may err by
@@ -234,7 +235,7 @@ bool World::Parts::step_somehow() {
   if (!made) return step_safely(kAnywhere);
   const bool gains = makes_energy && !(report.converged && integrator->needs().jacobian);
   const double depth = depth_of_state(), bearable = std::max(kLost, max_penetration);
-  const bool sinks = depth > bearable && step_count >= sunk_until;
+  const bool sinks = depth > bearable && depth < kHopeless && step_count >= sunk_until;
   if (!gains && !sinks) return true;
   const int parts = substeps, begun = refinements;
   const double better = sinks ? depth - kViolation : max_penetration;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -42,6 +43,21 @@ TEST(Simulate, RefusesBadArgumentsWithCode2AndUsage) {
     EXPECT_EQ(outcome.code, 2) << arguments;
     EXPECT_NE(outcome.out.find("usage: simulate"), std::string::npos) << arguments << "\n" << outcome.out;
   }
+}
+
+TEST(Simulate, LetsNothingSinkIntoCollidersStepByStep) {
+  // One SIMD level: rounding decides where a motion as wild as this one goes.
+  const char* const level = "DEFORMABLE_SIM_SIMD";
+  const char* const was = std::getenv(level);
+  const std::string before = was != nullptr ? was : "";
+  setenv(level, "sse2", 1);
+  const Outcome outcome =
+      run(std::string(DEFORMABLE_SIM_SOURCE_DIR) + "/test/scene/data/jerked_pinch.yaml --seconds 0.5 --json");
+  was != nullptr ? setenv(level, before.c_str(), 1) : unsetenv(level);
+  ASSERT_EQ(outcome.code, 0);
+  const YAML::Node summary = YAML::Load(outcome.out);
+  EXPECT_LT(summary["max_penetration"].as<double>(), 5e-3);
+  EXPECT_GT(summary["max_strain"].as<double>(), 5.0);  // it is no quiet scene
 }
 
 TEST(Simulate, RefusesBadScenesWithCode2AndTheReason) {
