@@ -40,6 +40,12 @@ class Mutants(unittest.TestCase):
         for of_the_worker in (b'CMAKE_CURRENT_SOURCE_DIR', b'TARGET_FILE'):
             self.assertNotIn(of_the_worker, text)
 
+    def test_what_workers_copy_can_be_configured(self):
+        with tempfile.TemporaryDirectory() as folder:
+            worker = self.mutations.Worker(folder)
+            worker.prepare()
+            self.assertTrue(os.path.exists(os.path.join(worker.build, 'Makefile')))
+
     def test_results_are_kept_for_the_same_sources_only(self):
         mutant = {'file': 'a.cpp', 'find': 'y', 'replace': 'z', 'why': 'w'}
         with tempfile.TemporaryDirectory() as folder:
