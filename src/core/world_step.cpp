@@ -64,6 +64,7 @@ void World::Parts::keep_last_good() {
   good_colliders = colliders.motions();
   if (contacts) contacts->begin_step();
   if (meetings) meetings->begin_step();
+  if (!book.is_open()) book.open(*model, dynamics, limiter ? limiter->springs() : nullptr, state);
   book.begin_step();
 }
 
@@ -111,7 +112,8 @@ bool World::Parts::try_step(int parts) {
     if (i > 0) part_state = state;
     if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
   }
-  makes_energy = max_penetration < kOverlap && (!book.is_possible(*model, state) || unsound_step_gains());
+  makes_energy = max_penetration < kOverlap && (!book.is_possible(*model, state) || unsound_step_gains()) &&
+                 depth_of_state() < kOverlap;
   return true;
 }
 
