@@ -120,6 +120,7 @@ double EnergyBook::power(const Dynamics& d, const State& s) {
 void EnergyBook::open(const Model& model, const Dynamics& d, const Energy* ignored, const State& s) {
   mass_ = model.mass.head(model.point_count()).sum();
   note(motion_energy(model, s).kinetic + stored_energy(d, ignored, s), power(d, s));
+  hurry();  // what was thrown loses most of its energy at once
 }
 
 void EnergyBook::end_step(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double dt,

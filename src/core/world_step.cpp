@@ -113,7 +113,7 @@ bool World::Parts::try_step(int parts) {
     if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
   }
   makes_energy = max_penetration < kOverlap && (!book.is_possible(*model, state) || unsound_step_gains()) &&
-                 depth_of_state() < kOverlap;
+                 (step_count >= sunk_until || depth_of_state() < kOverlap);  // how deep it was is not known there
   return true;
 }
 
