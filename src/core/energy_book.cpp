@@ -117,12 +117,6 @@ double EnergyBook::power(const Dynamics& d, const State& s) {
   return sum;
 }
 
-void EnergyBook::open(const Model& model, const Dynamics& d, const Energy* ignored, const State& s) {
-  mass_ = model.mass.head(model.point_count()).sum();
-  note(motion_energy(model, s).kinetic + stored_energy(d, ignored, s), power(d, s));
-  hurry();  // what was thrown loses most of its energy at once
-}
-
 void EnergyBook::end_step(const Model& model, const Dynamics& d, const Energy* ignored, const State& s, double dt,
                           int evaluations) {
   evaluations_ = std::isnan(at_end_) ? evaluations_ + evaluations : 0;
@@ -145,10 +139,6 @@ void EnergyBook::end_step(const Model& model, const Dynamics& d, const Energy* i
   } else {
     mass_ = model.mass.head(model.point_count()).sum();
   }
-  note(total, drive);
-}
-
-void EnergyBook::note(double total, double drive) {
   for (double& level : level_) level += work_;
   level_[static_cast<size_t>(looks_++ % kLooks)] = total;
   if (!std::isfinite(total)) looks_ = 0;

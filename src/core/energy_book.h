@@ -33,9 +33,6 @@ class EnergyBook {
 
   /// The books begin anew: something was changed from outside.
   void begin();
-  /// The first look after that, before the step: what is made in it is not taken for what there was.
-  void open(const Model& model, const Dynamics& d, const Energy* ignored, const State& s);
-  bool is_open() const { return looks_ > 0; }
   /// A step begins; it begins anew.
   void begin_step();
   void restart_step();
@@ -81,7 +78,6 @@ class EnergyBook {
   /// J, that there may be at the last look.
   double level() const;
   double last_level() const { return level_[static_cast<size_t>((looks_ - 1) % kLooks)]; }
-  void note(double total, double drive);
   /// J/s of terms that store nothing.
   double power(const Dynamics& d, const State& s);
 

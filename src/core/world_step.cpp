@@ -64,7 +64,6 @@ void World::Parts::keep_last_good() {
   good_colliders = colliders.motions();
   if (contacts) contacts->begin_step();
   if (meetings) meetings->begin_step();
-  if (!book.is_open()) book.open(*model, dynamics, limiter ? limiter->springs() : nullptr, state);
   book.begin_step();
 }
 
@@ -112,8 +111,7 @@ bool World::Parts::try_step(int parts) {
     if (i > 0) part_state = state;
     if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
   }
-  makes_energy = max_penetration < kOverlap && (!book.is_possible(*model, state) || unsound_step_gains()) &&
-                 (step_count >= sunk_until || depth_of_state() < kOverlap);  // how deep it was is not known there
+  makes_energy = max_penetration < kOverlap && (!book.is_possible(*model, state) || unsound_step_gains());
   return true;
 }
 
@@ -243,7 +241,7 @@ bool World::Parts::step_somehow() {
   const double better = sinks ? depth - kViolation : max_penetration;
   const bool safe = step_safely(gains && meetings ? kAnywhere : better);
   // A body between colliders that leave it no room sinks whatever is done.
-  if (sinks && depth_of_state() > bearable) sunk_until = step_count + kGivenUp;
+  if (sinks && !(depth_of_state() <= bearable)) sunk_until = step_count + kGivenUp;
   if (safe) return true;
   if (gains && meetings) return false;
   restore_last_good();

@@ -66,26 +66,6 @@ TEST(EnergyBook, KnowsFreeFallAndRefusesSpeedFromNowhere) {
   EXPECT_NEAR(book.created(), 1200.0, 1e-9);
 }
 
-TEST(EnergyBook, JudgesTheFirstStepOnceItIsOpened) {
-  const auto model = test::points_model(Nodes::Zero(3, 1), 2.0, Vec3::Zero());
-  const Dynamics d;
-  EnergyBook book;
-  State s = model->initial;
-  s.v(0, 0) = 1.0;
-  State faster = s;
-  faster.v *= 10.0;
-  book.begin_step();
-  EXPECT_TRUE(book.is_possible(*model, faster));  // nothing is known
-  book.open(*model, d, nullptr, s);
-  EXPECT_TRUE(book.is_open());
-  book.begin_step();
-  EXPECT_TRUE(book.is_possible(*model, s));
-  EXPECT_FALSE(book.is_possible(*model, faster));
-  EXPECT_TRUE(book.has_gained(*model, d, nullptr, faster, 0.25, 0.02));
-  book.begin();
-  EXPECT_FALSE(book.is_open());
-}
-
 TEST(EnergyBook, SeesAGainThatIsSmallInEachStep) {
   // Kinetic energy grows by 17 % a step, below the quarter that a single one may swing by.
   const auto model = test::points_model(Nodes::Zero(3, 1), 2.0, Vec3::Zero());
