@@ -43,6 +43,11 @@ class EnergyBook {
   /// Work of colliders that move, in a part of h (s).
   void add_colliders(const ContactConstraints& contacts, double h);
   void add(double work) { work_ += work; }
+  /// Between two steps something that stores energy came, or went with what it stored.
+  void change(double stored) {
+    work_ += stored;
+    at_end_ = kUnknown;
+  }
 
   /// Whether the step that ended at `s` is possible, as far as weight and motion tell.
   bool is_possible(const Model& model, const State& s) const;

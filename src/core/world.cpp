@@ -137,7 +137,7 @@ void World::Parts::start() {
   for (const Collider& c : initial_colliders) colliders.add(c);
   for (const GraspRequest& g : initial_grasps) grasps.add(g, state);
   colliders_changed();
-  held_nodes_changed();
+  bind_terms();
 }
 
 void World::Parts::set_control(const StepControlSettings& control) {
@@ -152,8 +152,8 @@ void World::Parts::set_control(const StepControlSettings& control) {
   }
 }
 
-void World::Parts::held_nodes_changed() {
-  book.begin();
+void World::Parts::held_nodes_changed(double stored) {
+  book.change(grasps.stored_energy(state) - stored);
   bind_terms();
 }
 
@@ -187,7 +187,6 @@ void World::Parts::bind_terms() {
 }
 
 void World::Parts::colliders_changed() {
-  book.begin();
   sunk_until = step_count + 1;
   dynamics.contacts.clear();
   if (colliders.empty()) {

@@ -130,7 +130,7 @@ void World::Parts::pass(Archive* archive) {
   grasps.pass(archive);
   if (archive->reads()) {
     colliders_changed();
-    held_nodes_changed();
+    bind_terms();
   }
   pass_state(archive, static_cast<Eigen::Index>(model->strain_limits.size()), &state);
   state.time = static_cast<double>(step_count) * settings.dt;

@@ -49,8 +49,9 @@ Reply World::apply(const Command& any) {
     Reply reply;
 
     void operator()(const command::Grasp& c) {
+      const double stored = w.grasps.stored_energy(w.state);
       reply.nodes = w.grasps.add(c.request, w.state);
-      w.held_nodes_changed();
+      w.held_nodes_changed(stored);
     }
     void operator()(const command::MoveGrasp& c) {
       reply.note = w.grasps.move(c.name, c.world_from_target, c.duration, dt);
@@ -61,8 +62,9 @@ Reply World::apply(const Command& any) {
         reply.note = "there is no grasp to release";
         return;
       }
+      const double stored = w.grasps.stored_energy(w.state);
       w.grasps.release(c.name);
-      w.held_nodes_changed();
+      w.held_nodes_changed(stored);
     }
     void operator()(const command::AddCollider& c) {
       for (const std::string& body : c.collider.lets_through) find_body(*w.model, body);

@@ -106,7 +106,7 @@ void World::continue_from(World& before) {
   now.step_count = then.step_count;
   now.state.time = then.state.time;
   now.colliders_changed();
-  now.held_nodes_changed();
+  now.bind_terms();
   now.state.dt_before = dt_before;
   if (then.controller) {
     now.set_control(then.controller->settings());

@@ -100,8 +100,8 @@ struct World::Parts {
   void set_control(const StepControlSettings& control);
   /// Initial state, colliders and grasps. Throws InputError.
   void start();
-  /// Kinematics, springs and everything that depends on which nodes are held.
-  void held_nodes_changed();
+  /// After grasps came or went; stored: by soft ones before, J.
+  void held_nodes_changed(double stored);
   /// The terms of the forces, which nodes are held, and what depends on the scheme.
   void bind_terms();
   void colliders_changed();

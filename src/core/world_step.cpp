@@ -111,7 +111,8 @@ bool World::Parts::try_step(int parts) {
     if (i > 0) part_state = state;
     if (!advance(settings.dt / parts, 1.0 / parts, i > 0 ? part_state : good_state)) return false;
   }
-  makes_energy = max_penetration < kOverlap && (!book.is_possible(*model, state) || unsound_step_gains());
+  makes_energy = max_penetration < kOverlap && (!book.is_possible(*model, state) || unsound_step_gains()) &&
+                 depth_of_state() < kOverlap;
   return true;
 }
 
@@ -261,7 +262,9 @@ void World::Parts::accept_step() {
     if (controller) controller->hurry();
   }
   book.end_step(*model, dynamics, limiter ? limiter->springs() : nullptr, state, settings.dt, report.force_evaluations);
-  if (!grasps.empty() && grasps.slip_overloaded()) held_nodes_changed();
+  if (grasps.empty()) return;
+  const double stored = grasps.stored_energy(state);
+  if (grasps.slip_overloaded()) held_nodes_changed(stored);
 }
 
 /// No step could be made: the world stays at its last good state, and nothing of the failed attempts is reported, whose

@@ -45,6 +45,15 @@ TEST(Simulate, RefusesBadArgumentsWithCode2AndUsage) {
   }
 }
 
+TEST(Simulate, JudgesTheStepAfterAGraspSlips) {
+  const Outcome outcome =
+      run(std::string(DEFORMABLE_SIM_SOURCE_DIR) + "/test/scene/data/slip_of_a_rod.yaml --seconds 0.12 --json");
+  ASSERT_EQ(outcome.code, 0);
+  const YAML::Node summary = YAML::Load(outcome.out);
+  EXPECT_EQ(summary["grasps"]["grasp_1"]["state"].as<std::string>(), "slipped");
+  EXPECT_LT(summary["bodies"]["rope_0"]["energies"]["kinetic"].as<double>(), 1e3);
+}
+
 TEST(Simulate, LetsNothingSinkIntoCollidersStepByStep) {
   // One SIMD level: rounding decides where a motion as wild as this one goes.
   const char* const level = "DEFORMABLE_SIM_SIMD";
