@@ -40,9 +40,30 @@ StrainLimiter::StrainLimiter(const Model& model)
   impulse_.resize(body_stiffness_.size());
 }
 
-void StrainLimiter::begin(double dt, const Kinematics& kinematics, State* s) {
+void StrainLimiter::find_inverse_mass(const Kinematics& kinematics) {
   inverse_mass_ = mass_.cwiseInverse();
   for (int node : kinematics.node) inverse_mass_[node] = 0.0;
+}
+
+/// The worst limit between nodes that are not both held, relative to its longest; at least 0.
+double StrainLimiter::worst(const Nodes& x) const {
+  double most = 0.0;
+  for (const LimitSprings::Element& e : springs_.elements())
+    if (inverse_mass_[e.a] + inverse_mass_[e.b] > 0.0)
+      most = std::max(most, (x.col(e.b) - x.col(e.a)).norm() / e.longest - 1.0);
+  return most;
+}
+
+double StrainLimiter::take_in(const Kinematics& kinematics, Nodes* x) {
+  find_inverse_mass(kinematics);
+  if (worst(*x) <= kAccepted) return 0.0;
+  before_ = *x;
+  projection_.solve(inverse_mass_, {}, x, &impulse_, &contact_impulse_);
+  return (*x - before_).colwise().norm().maxCoeff();
+}
+
+void StrainLimiter::begin(double dt, const Kinematics& kinematics, State* s) {
+  find_inverse_mass(kinematics);
   if (s->limit_tension.size() != count()) s->limit_tension.setZero(count());
   for (int k = 0; k < count(); ++k) {
     LimitSprings::Element& e = springs_.elements()[static_cast<size_t>(k)];
@@ -56,9 +77,7 @@ void StrainLimiter::begin(double dt, const Kinematics& kinematics, State* s) {
 StrainLimitReport StrainLimiter::project(double dt, Dynamics* d, State* s) {
   const bool felt = d->pattern != nullptr;  // the scheme has solved with springs_
   StrainLimitReport report;
-  for (const LimitSprings::Element& e : springs_.elements())
-    if (e.stiffness > 0.0)
-      report.violation = std::max(report.violation, (s->x.col(e.b) - s->x.col(e.a)).norm() / e.longest - 1.0);
+  report.violation = worst(s->x);
   const bool accepted = report.violation <= kAccepted;
   for (size_t k = 0; k < impulse_.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);

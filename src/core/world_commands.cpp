@@ -87,8 +87,11 @@ Reply World::apply(const Command& any) {
       check_body_state(*w.model, c);
       const int index = w.model->find_body(c.body);
       const Body& body = w.model->bodies[static_cast<size_t>(index)];
-      refuse_crossing(body, c.x);
-      w.state.x.middleCols(body.first_node, body.node_count) = c.x;
+      Nodes x = w.state.x;
+      x.middleCols(body.first_node, body.node_count) = c.x;
+      const double taken_in = w.limiter ? w.limiter->take_in(w.dynamics.kinematics, &x) : 0.0;
+      refuse_crossing(body, x);
+      w.state.x = x;
       w.state.v.middleCols(body.first_node, body.node_count) = c.v;
       if (c.rod.size() > 0) {
         set_rod_state(*w.model, body, c.rod, &w.state);
@@ -96,6 +99,11 @@ Reply World::apply(const Command& any) {
         carry_frames(body.first_segment, body.line->segment_count(), body.first_node, body.line->closed, &w.state);
       }
       if (w.grasps.hold_in_place(index, w.state)) reply.note = "held nodes are now held where they were put";
+      if (taken_in > 0.0) {
+        reply.note += (reply.note.empty() ? "" : "; ") +
+                      std::string("beyond the strain limit: nodes were moved by up to ") +
+                      std::to_string(1e3 * taken_in) + " mm to be within";
+      }
       if (w.contacts) w.contacts->forget_sides();
       if (w.meetings) w.meetings->forget();
       w.state.x_before.resize(3, 0);  // the motion up to here is not that of the new state
@@ -117,14 +125,12 @@ Reply World::apply(const Command& any) {
     /// Bodies that cross are not seen as touching until they have come apart.
     void refuse_crossing(const Body& body, const Nodes& x) const {
       if (!w.meetings || body.touches == BodyContact::kNone) return;
-      Nodes all = w.state.x;
-      all.middleCols(body.first_node, body.node_count) = x;
       for (const StrainEdge& edge : body.strain_edges)
-        if ((all.col(edge.node[0]) - all.col(edge.node[1])).norm() < kLeastLength * edge.rest_length)
+        if ((x.col(edge.node[0]) - x.col(edge.node[1])).norm() < kLeastLength * edge.rest_length)
           throw InputError("nodes " + std::to_string(edge.node[0] - body.first_node) + " and " +
                            std::to_string(edge.node[1] - body.first_node) + " of '" + body.name +
                            "' lie in one place; bodies that touch others need a direction from node to node");
-      const std::string crossing = w.meetings->find_crossing(all);
+      const std::string crossing = w.meetings->find_crossing(x);
       if (crossing.find("'" + body.name + "'") != std::string::npos)
         throw InputError(crossing + " in this state; give one in which they lie apart");
     }

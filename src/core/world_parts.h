@@ -118,6 +118,7 @@ struct World::Parts {
   bool step_somehow();
   void accept_step();
   std::string refuse_step();
+  std::string turned_by_grasps();
   void add_report(const StepReport& part);
   /// One step in `parts` equal parts. False when the state left the finite world.
   bool try_step(int parts);

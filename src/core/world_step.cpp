@@ -27,7 +27,15 @@ constexpr double kExplicitGain = 0.25;  // the same, of an explicit one: the fas
 constexpr double kExplicitLift = 0.02;
 const char* const kSafeScheme = "implicit_euler";
 constexpr int kSafeIterations = 30;
-constexpr int kSafeParts[] = {8, 64};  // of a step by the safe scheme
+
+/// How the safe scheme tries a step: in how many parts, and by how much (m) the worst contact may give way in one, to
+/// be put apart after it. Bodies that are jammed into one another give way by anything; they end apart, or do not move.
+struct SafeTry {
+  int parts;
+  double violation;
+};
+constexpr int kShortestSafe = 64;
+constexpr SafeTry kSafeTries[] = {{8, kLost}, {kShortestSafe, kLost}, {8, std::numeric_limits<double>::infinity()}};
 
 void add(const StepReport& part, StepReport* sum) {
   sum->converged = sum->converged && part.converged;
@@ -198,7 +206,7 @@ bool World::Parts::step_safely(double depth) {
   bind_terms();
   bool ok = false;
   last_resort = true;
-  for (const int parts : kSafeParts) {
+  for (const auto& [parts, most_violation] : kSafeTries) {
     restore_last_good();
     // The scheme's own memory is of no use to another.
     state.x_before.resize(3, 0);
@@ -207,7 +215,7 @@ bool World::Parts::step_safely(double depth) {
     substeps = parts;
     refinements = kMaxHalvings;  // what would cross stays where it is
     ok = try_step(parts) && depth_of_state() <= depth &&
-         (report.residual <= kDiverged || (book.is_possible(*model, state) && violation <= kLost));
+         (report.residual <= kDiverged || (book.is_possible(*model, state) && violation <= most_violation));
     if (ok) break;
   }
   last_resort = false;
@@ -275,12 +283,49 @@ std::string World::Parts::refuse_step() {
   std::snprintf(
       text, sizeof text,
       "no finite state at t = %.6g s, even with steps of %.3g s: forces too stiff for %s, or an impossible command",
-      state.time + settings.dt, settings.dt / substeps, integrator->name().c_str());
+      state.time + settings.dt, settings.dt / std::max(substeps, kShortestSafe), integrator->name().c_str());
   report = StepReport();
   report.converged = false;
   grasps.clear_wrenches();
   dynamics.contacts.clear();
-  return text;
+  return text + turned_by_grasps();
+}
+
+/// Which bodies the grasps are about to turn inside out, where their law has no energy: in a cell that they hold by all
+/// its corners, or within the shortest part of the step that was tried. Empty: none.
+std::string World::Parts::turned_by_grasps() {
+  if (dynamics.kinematics.node.empty()) return "";
+  Kinematics held = dynamics.kinematics;
+  grasps.advance(settings.dt, state, &held);
+  const Nodes here = state.x;
+  Nodes there = here;
+  for (size_t k = 0; k < held.node.size(); ++k) there.col(held.node[k]) = held.target.col(static_cast<Eigen::Index>(k));
+  const auto energies_at = [&](const Nodes& x) {
+    std::vector<BodyReport> reports(model->bodies.size());
+    state.x = x;
+    add_elastic_energies(&reports);
+    return reports;
+  };
+  const std::vector<BodyReport> soon = energies_at(here + (there - here) / kShortestSafe), then = energies_at(there);
+  state.x = here;
+  grasps.restore_motions(good_grasps);
+
+  const auto turns_held_cell = [&](const Body& body) {
+    return std::any_of(body.volume->tets.begin(), body.volume->tets.end(), [&](const auto& tet) {
+      const auto at = [&](size_t k) { return Vec3(there.col(body.first_node + tet[k])); };
+      for (size_t k = 0; k < 4; ++k)
+        if (roles[static_cast<size_t>(body.first_node + tet[k])] != NodeRole::kHeld) return false;
+      return (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) <= 0.0;
+    });
+  };
+  for (size_t b = 0; b < model->bodies.size(); ++b) {
+    const Body& body = model->bodies[b];
+    if (!body.volume || std::isfinite(then[b].elastic_energy)) continue;
+    if (!std::isfinite(soon[b].elastic_energy) || turns_held_cell(body))
+      return "; grasps turn cells of '" + body.name +
+             "' inside out, where its law has no energy: move them less or slower, or take stable_neo_hookean";
+  }
+  return "";
 }
 
 StepOutcome World::step() {

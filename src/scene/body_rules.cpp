@@ -132,6 +132,16 @@ void check_rope(const YamlValue& entry, const std::string& path, const BodySpec&
   only_with(material, path + ".material", {"section", "shear_modulus", "twist_rigidity"}, "belongs to model: rod");
 }
 
+void check_solid_law(const YamlValue& entry, const std::string& path, const SoftModelSpec& soft) {
+  const std::string& law = soft.law.empty() ? soft.material.law : soft.law;
+  const YamlValue* material = entry.find("material");
+  if (law != "neo_hookean" || soft.material.poissons_ratio >= 0.0 || !has(material, "poissons_ratio")) return;
+  refuse(*material->find("poissons_ratio"), path + ".material.poissons_ratio",
+         "law neo_hookean needs 0 or more: below, its energy falls without bound when it is pressed together; "
+         "stable_neo_hookean, mooney_rivlin and corotational take any",
+         Code::kOutOfRange);
+}
+
 void check_soft(const YamlValue& entry, const std::string& path, const BodySpec& body) {
   const bool tetrahedra = !body.mesh.empty() && is_tet_mesh_file(body.mesh);
   if (body.mesh.empty()) {
@@ -144,6 +154,7 @@ void check_soft(const YamlValue& entry, const std::string& path, const BodySpec&
   }
   if (element_of(body.soft) != SoftElement::kSprings) {
     only_with(&entry, path, {"neighbours"}, "belongs to element: springs");
+    check_solid_law(entry, path, body.soft);
     return;
   }
   only_with(&entry, path, {"law"}, "belongs to tetrahedra; springs are linear");

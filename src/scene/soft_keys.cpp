@@ -105,8 +105,8 @@ Table<BodySpec> soft_table() {
         });
   t.add({"law", "word", "", "of the material, else stable_neo_hookean", join(solid_law_names()),
          "Stress-strain law of tetrahedra. hooke: for small rotations only; corotational: small strains; "
-         "st_venant_kirchhoff: gives way under compression; neo_hookean, mooney_rivlin: rubber, undefined when turned "
-         "inside out; stable_neo_hookean: rubber and flesh, safe in any state."},
+         "st_venant_kirchhoff: gives way under compression; neo_hookean (of a Poisson's ratio >= 0), mooney_rivlin: "
+         "rubber, undefined when turned inside out; stable_neo_hookean: rubber and flesh, safe in any state."},
         [](const YamlValue& v, const std::string& path, BodySpec* body) {
           body->soft.law = read_choice(v, path, solid_law_names());
         });

@@ -236,7 +236,8 @@ int run_file(const Arguments& a) {
   limits.cpu = a.budget;
   const Outcome o = compare_case(text.str(), a.file, limits);
   if (o.end == Outcome::End::kRefused) throw InputError(o.detail);
-  std::cout << (o.what.empty() ? "nothing wrong" : o.what + ": " + o.detail) << "; " << o.steps << " steps of "
+  const char* const said = o.end == Outcome::End::kSaid ? "said in a warning: " : "";
+  std::cout << said << (o.what.empty() ? "nothing wrong" : o.what + ": " + o.detail) << "; " << o.steps << " steps of "
             << o.integrator << ", " << o.time << " s, " << o.cpu << " s CPU\n";
   return o.end == Outcome::End::kFound ? kFailed : kDone;
 }

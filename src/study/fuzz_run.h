@@ -8,6 +8,9 @@
 
 namespace deformable_sim::fuzz {
 
+/// What a gain of energy is called that a warning gives, where the program chose the solver.
+constexpr char kOfAuto[] = "energy of auto";
+
 /// What is wrong, as one word; empty: nothing. These are failures of the program:
 ///
 ///   crash, hang         the process ended by a signal, or a step took more than 10 s of CPU time
@@ -22,9 +25,10 @@ namespace deformable_sim::fuzz {
 ///   reset, repeat, threads, restore   other bits after a reset, in a second run, on two threads, after a restore
 ///   stop                a solver that was chosen by the program could not make a step
 ///
-/// A solver that the scene itself names may stop honestly: kStopped.
+/// A solver that the scene itself names may stop honestly: kStopped. Any may gain energy where a warning says so, by
+/// the next look of the books: kSaid, as "energy", or kOfAuto where the program chose the solver.
 struct Outcome {
-  enum class End { kDone, kCut, kRefused, kStopped, kFound };
+  enum class End { kDone, kCut, kRefused, kStopped, kSaid, kFound };
   End end = End::kDone;
   std::string what;    // the word
   std::string detail;  // a sentence

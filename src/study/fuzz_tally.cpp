@@ -10,7 +10,7 @@
 namespace deformable_sim::fuzz {
 namespace {
 
-constexpr std::array<const char*, 5> kEnds{"done", "cut", "refused", "stopped", "failed"};
+constexpr std::array<const char*, 6> kEnds{"done", "cut", "refused", "stopped", "said", "failed"};
 
 const char* name_of(Outcome::End end) {
   return kEnds[static_cast<size_t>(end)];
@@ -41,15 +41,17 @@ int Tally::failures() const {
 
 std::string Tally::text() const {
   std::map<Outcome::End, int> ends;
-  std::map<std::string, int> kinds, schemes, stops;
+  std::map<std::string, int> kinds, schemes, stops, gains;
   double time = 0.0, cut_time = 0.0, cpu = 0.0;
   long steps = 0;
-  int compared = 0, patient = 0, patient_cut = 0;
+  int compared = 0, patient = 0, patient_cut = 0, by_auto = 0;
   for (const Entry& e : entries_) {
     const Outcome& o = e.outcome;
     ++ends[o.end];
     if (o.end == Outcome::End::kFound) ++kinds[o.what];
     if (o.end == Outcome::End::kStopped) ++stops[o.integrator];
+    if (o.end == Outcome::End::kSaid) ++gains[o.integrator];
+    if (o.end == Outcome::End::kSaid && o.what == kOfAuto) ++by_auto;
     if (o.end == Outcome::End::kCut) cut_time += o.time;
     if (!o.integrator.empty()) ++schemes[o.integrator];
     time += o.time;
@@ -67,10 +69,17 @@ std::string Tally::text() const {
                cut_time / std::max(1, count(Outcome::End::kCut)));
   if (patient > 0) text += line("patient   %d were given more time, of which %d were cut\n", patient, patient_cut);
   text += line("refused   %d by the loader\n", count(Outcome::End::kRefused));
-  text += line("stopped   %d by solvers that the scene names:", count(Outcome::End::kStopped));
-  for (const auto& [name, n] : stops) text += line(" %s %d of %d,", name.c_str(), n, schemes[name]);
-  if (text.back() == ',' || text.back() == ':') text.pop_back();
-  text += line("\nfailed    %d\n", failures());
+  const auto by_scheme = [&](const std::map<std::string, int>& counts) {
+    std::string list;
+    for (const auto& [name, n] : counts)
+      list += line("%s %s %d of %d", list.empty() ? ":" : ",", name.c_str(), n, schemes[name]);
+    return list + "\n";
+  };
+  text += line("stopped   %d by solvers that the scene names", count(Outcome::End::kStopped)) + by_scheme(stops);
+  text += line("said      %d gains of energy that a warning gives, %d of them of auto", count(Outcome::End::kSaid),
+               by_auto) +
+          by_scheme(gains);
+  text += line("failed    %d\n", failures());
   for (const auto& [kind, n] : kinds) {
     text += line("  %-16s %d, seeds", kind.c_str(), n);
     int named = 0;

@@ -186,6 +186,15 @@ TEST(SolidMaterials, FollowFromYoungsModulusAndPoissonsRatio) {
   for (const double poissons_ratio : {0.5, -1.0, 0.6, std::nan("")}) {
     EXPECT_THROW(solid_material(SolidLaw::kHooke, 1.0, poissons_ratio), InputError);
   }
+  // mu/2 (3 s^2 - 3) - 3 mu ln s + 9/2 lambda ln^2 s: lambda < 0 has the last win where s goes to 0.
+  EXPECT_THROW(solid_material(SolidLaw::kNeoHookean, 1.0, -0.01), InputError);
+  for (const SolidLaw law :
+       {SolidLaw::kCorotational, SolidLaw::kStVenantKirchhoff, SolidLaw::kStableNeoHookean, SolidLaw::kMooneyRivlin}) {
+    const SolidMaterial auxetic = solid_material(law, 1.0, -0.5);
+    Vec3 gradient;
+    for (const double s : {0.5, 0.1, 1e-2, 1e-4, 1e-8})
+      EXPECT_GE(energy_density(auxetic, Vec3(s, s, s), &gradient, nullptr), 0.0) << static_cast<int>(law) << " " << s;
+  }
 }
 
 TEST(PolarRotation, IsTheNearestRotationAlsoWhenInverted) {

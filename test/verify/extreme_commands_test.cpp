@@ -156,5 +156,53 @@ TEST_P(ExtremeCommands, GravityThatTurnsOverEndsInTheMirrorImage) {
         (mirrored - below->state().x).cwiseAbs().maxCoeff(), 0.0, 1e-3, Tolerance::kAbsolute);
 }
 
+TEST(ExtremeStates, BeyondAStrainLimitAreTakenInWithoutAVelocity) {
+  // Three times as long as it is, where a third more is allowed: taken back by a step of 0.3 ms, it would go at 1 km/s.
+  const auto world = build(
+      "gravity: [0, 0, 0]\nbodies:\n"
+      "  - cloth: {name: towel, size: [0.2, 0.2], cells: [8, 8], model: membrane, strain_limit: 0.3}\n"
+      "step: {dt: 0.0003}\n");
+  const Nodes x = 3.0 * world->state().x, v = Nodes::Constant(3, x.cols(), 0.1);
+  const Reply reply = world->apply(command::SetBodyState{"towel", x, v});
+  ASSERT_TRUE(reply.status.ok()) << reply.status.message;
+  EXPECT_NE(reply.note.find("beyond the strain limit"), std::string::npos) << reply.note;
+  EXPECT_EQ(world->state().v, v);
+  EXPECT_LT(world->snapshot().bodies[0].max_strain, 0.3 + 1e-6);
+  EXPECT_GT(world->snapshot().bodies[0].max_strain, 0.29);
+  const double stored = world->snapshot().bodies[0].elastic_energy;
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(world->step().ok);
+    EXPECT_LT(world->snapshot().bodies[0].kinetic_energy, 1.01 * stored);
+  }
+  // Within it nothing moves.
+  const Nodes now = world->state().x, still = Nodes::Zero(3, x.cols());
+  const Reply same = world->apply(command::SetBodyState{"towel", now, still});
+  EXPECT_EQ(same.note, "");
+  EXPECT_EQ(world->state().x, now);
+}
+
+TEST(ExtremeGrasps, ThatTurnRubberInsideOutAreNamed) {
+  // A block of one cell, held at both ends, one of which is turned over: no energy there, so no step, and the stop says
+  // what asks for it. The other law goes through.
+  for (const std::string law : {"mooney_rivlin", "neo_hookean", "stable_neo_hookean"}) {
+    const auto world = build(
+        "bodies:\n"
+        "  - soft: {name: block, box: {size: [0.03, 0.2, 0.2], cells: [1, 1, 1]}, element: tetrahedron, law: " +
+        law + ", pins: [face_x0, face_x1]}\n");
+    Pose turned = at(0.015, 0, 0);
+    turned.linear() = Eigen::AngleAxisd(0.9, Vec3::UnitZ()).toRotationMatrix();
+    ASSERT_TRUE(world->apply(command::MoveGrasp{"pin_block_face_x1", turned, 0.0}).status.ok());
+    std::string message;
+    for (int k = 0; k < 60 && message.empty(); ++k) message = world->step().message;
+    if (law == "stable_neo_hookean") {
+      EXPECT_EQ(message, "");
+      continue;
+    }
+    EXPECT_NE(message.find("grasps turn cells of 'block' inside out"), std::string::npos) << law << ": " << message;
+    ASSERT_TRUE(world->apply(command::Reset{}).status.ok());
+    EXPECT_TRUE(world->step().ok);
+  }
+}
+
 }  // namespace
 }  // namespace deformable_sim::test

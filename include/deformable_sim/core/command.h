@@ -50,9 +50,10 @@ struct LetThrough {
   std::string name;
   std::vector<std::string> bodies;
 };
-/// Positions and velocities of one body, exact. Refused where the body would cross itself or another that it may touch.
-/// A rod with twist also has the angles and frames of its segments: given in `rod` as rod_state() wrote them, exact as
-/// well; left out, the angles stay and the frames are carried along to the new positions without spin.
+/// Positions and velocities of one body, exact, but that nodes beyond strain limits are moved to the nearest place
+/// within them, which the note says. Refused where the body would cross itself or another that it may touch. A rod with
+/// twist also has the angles and frames of its segments: given in `rod` as rod_state() wrote them, exact as well; left
+/// out, the angles stay and the frames are carried along to the new positions without spin.
 struct SetBodyState {
   std::string body;
   Nodes x, v;

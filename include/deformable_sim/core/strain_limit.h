@@ -33,9 +33,14 @@ class StrainLimiter {
   void begin(double dt, const Kinematics& kinematics, State* s);
   /// After it: moves `s`, its velocities with it, and adds to the reactions and contact forces of `d`.
   StrainLimitReport project(double dt, Dynamics* d, State* s);
+  /// Positions that were not stepped to, into the limits, without a velocity: what a step takes back it gives in m/s.
+  /// Returns how far the furthest node went, m.
+  double take_in(const Kinematics& kinematics, Nodes* x);
   int count() const { return springs_.element_count(); }
 
  private:
+  void find_inverse_mass(const Kinematics& kinematics);
+  double worst(const Nodes& x) const;
   void add_forces(double dt, Dynamics* d, const State& s);
 
   const Eigen::VectorXd& mass_;

@@ -149,6 +149,11 @@ SolidMaterial solid_material(SolidLaw law, double youngs_modulus, double poisson
   if (!(poissons_ratio > -1.0 && poissons_ratio < 0.5)) {
     throw InputError("Poisson's ratio is " + std::to_string(poissons_ratio) + "; it must be > -1 and < 0.5");
   }
+  if (law == SolidLaw::kNeoHookean && poissons_ratio < 0.0) {
+    throw InputError(
+        "Poisson's ratio is " + std::to_string(poissons_ratio) +
+        "; neo_hookean needs 0 or more: below, its energy falls without bound when it is pressed together");
+  }
   SolidMaterial material;
   material.law = law;
   material.mu = youngs_modulus / (2.0 * (1.0 + poissons_ratio));

@@ -21,7 +21,8 @@ struct SolidMaterial {
   double share = 0.5;             // Mooney-Rivlin: C10 = share mu / 2, C01 = (1 - share) mu / 2
 };
 
-/// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)). Throws InputError unless E > 0 and -1 < nu < 1/2.
+/// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)). Throws InputError unless E > 0 and -1 < nu < 1/2,
+/// neo-Hookean nu >= 0: with lambda < 0 its energy goes to minus infinity with J to 0.
 SolidMaterial solid_material(SolidLaw law, double youngs_modulus, double poissons_ratio);
 
 /// Energy per rest volume (Pa) as a function of the principal stretches s (singular values of F, the last one negative
